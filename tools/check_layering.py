@@ -179,6 +179,32 @@ def check_tests(root):
     return bad
 
 
+def check_public(root):
+    """A header under include/ of a part of the host is one that another part uses, itself or by a header that is used."""
+    public, users, within = {}, {}, {}
+    for path in (root / "host").glob("*/*/include/triskin/**/*.hpp"):
+        public[path.relative_to(root).as_posix().split("/include/", 1)[1]] = path.relative_to(root).parts[:3]
+    for top in ("host", "tools", "docs/examples"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix not in SUFFIXES:
+                continue
+            place = path.relative_to(root)
+            for name in {m.group(1) for m in map(INCLUDE.match, path.read_text(errors="replace").splitlines()) if m} & set(public):
+                if place.parts[:3] != public[name]:
+                    users.setdefault(name, set()).add(place)
+                elif "/include/" in place.as_posix():
+                    within.setdefault(place.as_posix().split("/include/", 1)[1], set()).add(name)
+    used, todo = set(), list(users)
+    while todo:
+        name = todo.pop()
+        if name not in used:
+            used.add(name)
+            todo += within.get(name, ())
+    for name in sorted(set(public) - used):
+        print(f"{'/'.join(public[name])}/include/{name}: no other part uses it; move it to src/")
+    return len(set(public) - used)
+
+
 def check_prefixes(root):
     """An include prefix in two folders would let one part's header answer for another's."""
     bad = 0
@@ -256,7 +282,7 @@ def check_links(text):
 
 def main(arguments):
     root = pathlib.Path(arguments[0])
-    bad = check_circles() + check_includes(root) + check_prefixes(root) + check_tests(root)
+    bad = check_circles() + check_includes(root) + check_prefixes(root) + check_public(root) + check_tests(root)
     if len(arguments) > 1:
         bad += check_links(pathlib.Path(arguments[1]).read_text())
     return 1 if bad else 0

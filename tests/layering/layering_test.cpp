@@ -80,9 +80,22 @@ TEST_F(Layering, refuses_a_command_that_discovers_controllers_by_itself) {
   EXPECT_NE(with_file("host/app/library/src/a.cpp", "  const auto claims = bus.discover();"), 0);
 }
 
-TEST_F(Layering, refuses_tests_that_look_into_a_source_folder) {
+TEST_F(Layering, private_headers_are_for_the_tests_of_their_part) {
   EXPECT_EQ(with_file("host/plan/lattice/src/net.hpp", "#pragma once"), 0);
-  EXPECT_NE(with_file("tests/plan/lattice/a.cpp", "#include \"net.hpp\""), 0);
+  EXPECT_EQ(with_file("tests/plan/lattice/a.cpp", "#include \"net.hpp\""), 0);
+  EXPECT_NE(with_file("tests/plan/mesh/a.cpp", "#include \"net.hpp\""), 0);
+}
+
+TEST_F(Layering, a_test_of_another_part_names_the_place_of_a_private_header) {
+  EXPECT_EQ(with_file("host/plan/lattice/src/net.hpp", "#pragma once"), 0);
+  EXPECT_EQ(with_file("tests/plan/mesh/a.cpp", "#include \"plan/lattice/src/net.hpp\""), 0);
+}
+
+TEST_F(Layering, a_header_that_no_other_part_uses_is_private) {
+  EXPECT_NE(with_file("host/plan/mesh/include/triskin/mesh/bvh.hpp", "#pragma once"), 0);
+  EXPECT_EQ(with_file("host/plan/lattice/src/a.cpp", "#include \"triskin/mesh/bvh.hpp\""), 0);
+  EXPECT_NE(with_file("host/plan/mesh/include/triskin/mesh/box.hpp", "#pragma once"), 0);
+  EXPECT_EQ(with_file("host/plan/mesh/include/triskin/mesh/bvh.hpp", "#include \"triskin/mesh/box.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
