@@ -52,6 +52,15 @@ TEST_F(References, names_a_dead_path_in_a_page) {
   expect_dead("The table stands in `host/core/base/include/b.hpp`.\n", "no such file: host/core/base/include/b.hpp");
 }
 
+TEST_F(References, names_a_header_that_is_not_public) {
+  write("host/core/base/include/triskin/base/a.hpp", "int a;\n");
+  write("host/core/base/src/triskin/base/b.hpp", "int b;\n");
+  const Ran ran = with_readme("[page](docs/page.md): `triskin/base/a.hpp`, `triskin/base/b.hpp`\n");
+  EXPECT_EQ(ran.exit_status, 1);
+  EXPECT_NE(ran.output.find("no such public header: triskin/base/b.hpp"), std::string::npos) << ran.output;
+  EXPECT_EQ(ran.output.find("header: triskin/base/a.hpp"), std::string::npos) << ran.output;
+}
+
 TEST_F(References, names_a_dead_file_in_a_comment) {
   write("host/core/base/src/a.cpp", "int a;  // as measure.hpp says (docs/cli.md)\n");
   expect_dead("Text\n", "host/core/base/src/a.cpp:1: no such file: measure.hpp");
