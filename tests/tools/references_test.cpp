@@ -86,7 +86,7 @@ TEST_F(References, holds_commands_against_the_program) {
 
 TEST_F(References, names_a_command_that_the_page_of_commands_lacks) {
   write("docs/cli.md", "`verify`\n");
-  const Ran ran = with_readme("Text\n", "--program " + test::program_file());
+  const Ran ran = with_readme("[page](docs/page.md)\n", "--program " + test::program_file());
   EXPECT_EQ(ran.exit_status, 1);
   EXPECT_NE(ran.output.find("docs/cli.md:1: command flash is not listed"), std::string::npos) << ran.output;
   EXPECT_EQ(ran.output.find("command verify is"), std::string::npos) << ran.output;
