@@ -14,7 +14,7 @@
 namespace triskin::fw {
 
 void PrintTo(const ReadingSchedule::Due& due, std::ostream* out) {
-  *out << "action " << static_cast<int>(due.action) << " of station " << due.station;
+  *out << "action " << static_cast<int>(due.action) << " of chip " << due.chip;
 }
 
 namespace {
@@ -26,16 +26,16 @@ constexpr std::uint32_t kNominal_us = 9'200;
 constexpr std::uint64_t kT = 1'000'000;
 constexpr Due kNothing{};
 
-ReadingSchedule schedule_of(std::size_t stations, std::uint8_t every = 1) {
+ReadingSchedule schedule_of(std::size_t chips, std::uint8_t every = 1) {
   ReadingSchedule schedule;
-  schedule.begin(stations, kNominal_us, every);
+  schedule.begin(chips, kNominal_us, every);
   return schedule;
 }
 
 // Starts a chip at `at_us` whose status is not wanted.
-void start_without_status(ReadingSchedule& schedule, std::size_t station, std::uint64_t at_us) {
-  schedule.start(station, at_us);
-  schedule.forget_status(station);
+void start_without_status(ReadingSchedule& schedule, std::size_t chip, std::uint64_t at_us) {
+  schedule.start(chip, at_us);
+  schedule.forget_status(chip);
 }
 
 TEST(ReadingSchedule, AStationThatIsNotStartedAsksForNothing) {
@@ -378,9 +378,9 @@ TEST(ReadingSchedule, ABurstThatEndedTooLateIsNotInTime) {
 
 // With a timer the first reading is due when the slowest converter has ended its sequence, 105 % of the nominal one
 // after the start (9,660), and then one every 9,200. One that would end within the next one is missed: 8,400 later.
-ReadingSchedule by_timer(std::size_t stations, std::uint8_t every = 1) {
+ReadingSchedule by_timer(std::size_t chips, std::uint8_t every = 1) {
   ReadingSchedule schedule;
-  schedule.begin(stations, kNominal_us, every, wire::SamplingTiming::kTimer);
+  schedule.begin(chips, kNominal_us, every, wire::SamplingTiming::kTimer);
   return schedule;
 }
 

@@ -89,7 +89,7 @@ void Application::keep_route() {
 }
 
 void Application::forget_samples(std::size_t first) {
-  for (std::size_t k = first; k < samples_.size(); ++k) samples_[k] = published_[k] = ModuleSample{};
+  for (std::size_t k = first; k < samples_.size(); ++k) samples_[k] = published_[k] = ModuleReading{};
 }
 
 void Application::place_adopted() {
@@ -105,7 +105,7 @@ void Application::place_adopted() {
 // Samples since the last successful check of the chain may come from another module.
 void Application::invalidate_samples() {
   for (auto* samples : {&samples_, &published_}) {
-    for (ModuleSample& s : *samples) {
+    for (ModuleReading& s : *samples) {
       s.valid = 0;
       s.fresh = false;
     }
@@ -313,7 +313,7 @@ Application::Condition Application::condition() const {
   if (!tables_.has_table()) return Condition::kNoTable;
   const auto own = std::span(samples_).first(rows());
   if (std::ranges::any_of(
-          own, [](const ModuleSample& s) { return s.state != ModuleState::kOk && s.state != ModuleState::kUnknown; }))
+          own, [](const ModuleReading& s) { return s.state != ModuleState::kOk && s.state != ModuleState::kUnknown; }))
     return Condition::kFault;
   const bool leased = std::ranges::any_of(channels(), [](const Channel& c) { return c.stream.active(); });
   return leased || stream_ != StreamMode::kOff ? Condition::kStreaming : Condition::kSampling;
@@ -345,11 +345,11 @@ std::uint64_t Application::next_during_flash_us() const {
 
 // Each reading is sent as soon as it is available, because the converters have their own clocks.
 void Application::take_samples() {
-  const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
+  const bool any = std::ranges::any_of(samples_, &ModuleReading::fresh);
   if (!any) return;
   if (route_.switched() && !route_.check(now_us())) return invalidate_samples();
   for (std::size_t k = 0; k < modules(); ++k) {
-    ModuleSample& s = samples_[k];
+    ModuleReading& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
     if (k >= rows()) continue;  // The owner of an adopted module records its faults.
@@ -359,7 +359,7 @@ void Application::take_samples() {
   }
   if (!tables_.has_table()) return;
   const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),
-                                          [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
+                                          [](const ModuleReading& s) { return s.state == ModuleState::kAbsent; });
   if (silent) route_.nothing_answers(now_us());
 }
 
@@ -371,7 +371,7 @@ void Application::tick() {
   if (!tables_.has_table()) return;
   ++sample_count_;
   for (std::size_t k = 0; k < modules(); ++k) {
-    ModuleSample& s = samples_[k];
+    ModuleReading& s = samples_[k];
     if (s.valid != 0 || ++s.unheard < 2) continue;  // A single tick may come just before the sampler's own report.
     s.unheard = 1;
     ++s.number;
@@ -383,7 +383,7 @@ void Application::tick() {
 
 // Each port counts every sample, even those that none of its readers gets.
 void Application::stream_full(TableRow row) {
-  const ModuleSample& s = samples_[index_of(row)];
+  const ModuleReading& s = samples_[index_of(row)];
   const wire::TaxelFrame sample{.node_address = tables_.node_address(),
                                 .module = static_cast<std::uint8_t>(row),
                                 .sample = s.number,
@@ -412,7 +412,7 @@ void Application::queue_icub() {
 }
 
 void Application::calibrate() {
-  for (ModuleSample& s : samples_) s.compensation.restart();  // The next reading becomes the baseline.
+  for (ModuleReading& s : samples_) s.compensation.restart();  // The next reading becomes the baseline.
   icub_triangles_.calibrate();
 }
 

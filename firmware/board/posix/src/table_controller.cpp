@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "triskin/logic/sampling/frozen_taxels.hpp"
-#include "triskin/logic/sampling/module_sample.hpp"
+#include "triskin/logic/sampling/module_reading.hpp"
 #include "triskin/logic/storage/table_store.hpp"
 #include "triskin/logic/stream/full_stream.hpp"
 #include "triskin/wire/iso_tp.hpp"
@@ -208,7 +208,7 @@ class TableController final : public VirtualController {
     Row& row = rows_[k];
     const auto reading = look(row, now_us_);
     if (!reading || reading->sequence_ns != row.sequence_ns) return wake();
-    fw::ModuleSample sample;
+    fw::ModuleReading sample;
     sample.store(reading->results, row.frozen.add(reading->results));
     row.last.sample = row.next_number;
     row.last.device_time_us = row.end_us(row.next_number);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kTop = 255;
 
-bool has_reading(const ModuleSample& s) {
+bool has_reading(const ModuleReading& s) {
   return s.valid != 0 || s.state == ModuleState::kSaturated || s.state == ModuleState::kFrozen;
 }
 // A chip answered, but its reading is useless.
@@ -31,7 +31,7 @@ void set_taxel(wire::IcubTaxels& out, std::size_t taxel, int rise, int no_load, 
 
 }  // namespace
 
-void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
+void IcubTriangles::read(std::size_t row, const ModuleReading& sample) {
   if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // The converter now has other offsets.
   restarts_[row] = sample.compensation.restarts();
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
@@ -43,7 +43,7 @@ void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
 }
 
 // Pressure lowers the result of our converters but raises that of an MTB4 board.
-int IcubTriangles::rise(std::size_t row, const ModuleSample& sample, std::size_t taxel, SkinType type) const {
+int IcubTriangles::rise(std::size_t row, const ModuleReading& sample, std::size_t taxel, SkinType type) const {
   constexpr int kBeyond = 1 << 30;  // Limits after the shift are smaller.
   const std::uint16_t raw = sample.raw[taxel];
   if (!ad7147::in_range(raw)) return raw == 0 ? kBeyond : -kBeyond;
@@ -60,7 +60,7 @@ wire::IcubTaxels IcubTriangles::nobody(const IcubBoard& board, std::size_t trian
   return out;
 }
 
-wire::IcubTaxels IcubTriangles::taxels(std::size_t row, const ModuleSample& sample, const IcubBoard& board,
+wire::IcubTaxels IcubTriangles::taxels(std::size_t row, const ModuleReading& sample, const IcubBoard& board,
                                        std::size_t triangle) const {
   wire::IcubTaxels out = nobody(board, triangle);
   out.no_acknowledge = misread(sample.state);

@@ -35,30 +35,30 @@ void ReadingSchedule::Plan::clock_changed() {
   uncertain = clock.uncertain();
 }
 
-void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every,
+void ReadingSchedule::begin(std::size_t chips, std::uint32_t nominal_us, std::uint8_t every,
                             wire::SamplingTiming timing) {
   by_timer_ = timing == wire::SamplingTiming::kTimer;
-  count_ = stations;
+  count_ = chips;
   nominal_us_ = nominal_us;
   every_ = every;
 }
 
-void ReadingSchedule::replace_from(std::size_t first, std::size_t stations) {
+void ReadingSchedule::replace_from(std::size_t first, std::size_t chips) {
   for (std::size_t k = first; k < plans_.size(); ++k) plans_[k] = {};
-  count_ = stations;
+  count_ = chips;
 }
 
-void ReadingSchedule::plan_transaction(std::size_t station, std::uint64_t at_us, std::uint64_t length_us) {
-  plans_[station].transaction_us = at_us;
-  plans_[station].transaction_length_us = length_us;
+void ReadingSchedule::plan_transaction(std::size_t chip, std::uint64_t at_us, std::uint64_t length_us) {
+  plans_[chip].transaction_us = at_us;
+  plans_[chip].transaction_length_us = length_us;
 }
 
-void ReadingSchedule::cancel_transaction(std::size_t station) {
-  plans_[station].transaction_us = kNever_us;
+void ReadingSchedule::cancel_transaction(std::size_t chip) {
+  plans_[chip].transaction_us = kNever_us;
 }
 
-void ReadingSchedule::start(std::size_t station, std::uint64_t at_us, wire::Latching latching) {
-  Plan& plan = plans_[station];
+void ReadingSchedule::start(std::size_t chip, std::uint64_t at_us, wire::Latching latching) {
+  Plan& plan = plans_[chip];
   plan = Plan{};
   plan.running = true;
   if (by_timer_) return set_timer(plan, at_us + nominal_us_ / 100 * kSurelyOver_percent);
@@ -73,26 +73,26 @@ void ReadingSchedule::set_timer(Plan& plan, std::uint64_t at_us) const {
   plan.close_us = at_us + nominal_us_ - kBurst_us;
 }
 
-void ReadingSchedule::set_latching(std::size_t station, wire::Latching latching) {
+void ReadingSchedule::set_latching(std::size_t chip, wire::Latching latching) {
   if (by_timer_) return;
-  plans_[station].clock.set_latching(latching);
-  plans_[station].clock_changed();
+  plans_[chip].clock.set_latching(latching);
+  plans_[chip].clock_changed();
 }
 
-void ReadingSchedule::stop(std::size_t station) {
-  Plan& plan = plans_[station];
+void ReadingSchedule::stop(std::size_t chip) {
+  Plan& plan = plans_[chip];
   plan.running = plan.clear_wanted = plan.restart_wanted = false;
   plan.status_us = 0;
 }
 
-void ReadingSchedule::take_up(std::size_t station) {
-  plans_[station].running = true;
-  cancel_transaction(station);
+void ReadingSchedule::take_up(std::size_t chip) {
+  plans_[chip].running = true;
+  cancel_transaction(chip);
 }
 
-void ReadingSchedule::forget_status(std::size_t station) {
-  plans_[station].clear_wanted = false;
-  plans_[station].status_us = 0;
+void ReadingSchedule::forget_status(std::size_t chip) {
+  plans_[chip].clear_wanted = false;
+  plans_[chip].status_us = 0;
 }
 
 std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
@@ -172,7 +172,7 @@ ReadingSchedule::Due ReadingSchedule::due(std::uint64_t now_us) {
   }
   const Due reading = due_reading(now_us);
   if (reading.action == Action::kNothing) return due_other(now_us);
-  plans_[reading.station].status_us = 0;
+  plans_[reading.chip].status_us = 0;
   return reading;
 }
 
@@ -230,8 +230,8 @@ void ReadingSchedule::advance(Plan& plan) const {
 
 // When the next results could not be read in their window, or the prediction is doubtful, the chip restarts a little
 // later. This loses no results, and the new start is known exactly.
-std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uint64_t now_us) {
-  Plan& plan = plans_[station];
+std::optional<std::uint64_t> ReadingSchedule::read(std::size_t chip, std::uint64_t now_us) {
+  Plan& plan = plans_[chip];
   std::optional<std::uint64_t> sampled;
   if (plan.to_pass == 0) {
     sampled = by_timer_ ? now_us : plan.end_us;
@@ -247,8 +247,8 @@ std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uin
   return sampled;
 }
 
-void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
-  Plan& plan = plans_[station];
+void ReadingSchedule::restarted(std::size_t chip, std::uint64_t ended_us) {
+  Plan& plan = plans_[chip];
   plan.restart_wanted = false;
   plan.status_us = 0;
   if (!plan.running) return;  // The chip was stopped in the meantime.
@@ -259,16 +259,16 @@ void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
   plan.clear_wanted = plan.clock.refinement_wanted();
 }
 
-void ReadingSchedule::failed(std::size_t station) {
-  Plan& plan = plans_[station];
+void ReadingSchedule::failed(std::size_t chip) {
+  Plan& plan = plans_[chip];
   plan.clear_wanted = plan.restart_wanted = false;
   plan.status_us = 0;
 }
 
 // The first reading clears the status of earlier sequences; each one after it may refine the clock.
-void ReadingSchedule::status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us,
+void ReadingSchedule::status_read(std::size_t chip, std::uint16_t status, std::uint64_t ended_us,
                                   std::uint32_t length_us) {
-  Plan& plan = plans_[station];
+  Plan& plan = plans_[chip];
   if (!plan.running) return;  // The chip was stopped in the meantime.
   status_us_ = status_us_ == 0 ? length_us : std::min(status_us_, length_us);
   const std::uint64_t sampled_us = ended_us - after_status_us();
@@ -299,7 +299,7 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
 // Returns true if the earlier readings, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
   const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
-  std::array<std::uint64_t, kStations> ends{};
+  std::array<std::uint64_t, kChips> ends{};
   std::size_t count = 0;
   for (const Plan& other : plans()) {
     if (&other == &plan || !other.running) continue;

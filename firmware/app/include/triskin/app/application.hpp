@@ -138,8 +138,8 @@ class Application final : private UdsHost, private PatchControl {
   CanPort* asking_;                  // The request that is being answered came from this port.
   CanPort* stream_port_;             // The iCub stream was requested from this port.
   std::array<LineSampler, layout::kLines> lines_;
-  std::array<ModuleSample, layout::kMaxModules> samples_{};
-  std::array<ModuleSample, layout::kMaxModules> published_{};
+  std::array<ModuleReading, layout::kMaxModules> samples_{};
+  std::array<ModuleReading, layout::kMaxModules> published_{};
   Route route_;
   std::uint8_t adopted_list_ = 0;  // The present samples refer to this Adoption::list.
   bool pausing_ = false;           ///< The lines finish their transfers and start none.

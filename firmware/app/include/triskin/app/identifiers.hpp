@@ -35,9 +35,9 @@ struct PatchParts {
   const Route& route;
   const std::array<LineSampler, layout::kLines>& lines;
   /// The latest samples may still be rejected by the next check of the chain.
-  const std::array<ModuleSample, layout::kMaxModules>& samples;
+  const std::array<ModuleReading, layout::kMaxModules>& samples;
   /// These samples were read before the last good check of the chain.
-  const std::array<ModuleSample, layout::kMaxModules>& published;
+  const std::array<ModuleReading, layout::kMaxModules>& published;
   const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
@@ -116,7 +116,7 @@ class Identifiers {
     return parts_.tables.has_table() ? parts_.tables.table().module_count : std::uint8_t{0};
   }
   /// Returns a valid sample; with switched modules, it was read before the last good check of the chain.
-  [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
+  [[nodiscard]] const ModuleReading& shown(std::size_t row) const {
     return parts_.route.switched() ? parts_.published[row] : parts_.samples[row];
   }
   [[nodiscard]] wire::ModuleStates states() const;

@@ -25,24 +25,12 @@ class DuplicateCheck {
     kDuplicate,  ///< The deficit was seen kMinSuspicions times; after the pause one more such reading is enough.
   };
 
-  /// Returns true if one chip was found here since it was last absent, so that no check is needed.
-  [[nodiscard]] bool passed() const { return passed_; }
-  /// Requires a new check, because the next chip that answers here may be another one, or two.
-  void forget() { passed_ = false; }
-  /// Notes that the same chip is still there.
-  void confirm() { passed_ = true; }
-  /// Stores results of the unused input, to compare them with the next ones of the used input.
-  void store_other(const ad7147::Results& results) { other_ = results; }
-  /// Returns the last results of store_other(); once the check has passed, the caller may store other results there.
-  [[nodiscard]] const ad7147::Results& other() const { return other_; }
-  /// Compares results of the used input, with the same offsets. Taxels at an end of their range in either reading do
+  /// Compares results of both inputs, read with the same offsets. Taxels at an end of their range in either reading do
   /// not count.
-  [[nodiscard]] Verdict compare(const ad7147::Results& used);
+  [[nodiscard]] Verdict compare(const ad7147::Results& other, const ad7147::Results& used);
 
  private:
-  ad7147::Results other_{};
   int suspicions_ = 0;
-  bool passed_ = false;
 };
 
 }  // namespace triskin::fw

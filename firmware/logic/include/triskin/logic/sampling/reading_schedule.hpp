@@ -23,13 +23,13 @@ namespace triskin::fw {
 /// With SamplingTiming::kTimer, each chip is simply read once per nominal sequence, whatever it converts then. This
 /// mode allows a comparison with installed boards.
 ///
-/// The class makes no transfers and knows no clock except `now_us`. Stations are numbered from 0 in the caller's order;
-/// a station that is neither started nor has a transaction asks for nothing. Among readings the earliest end has
-/// priority, among other transfers the lowest number. Cost: no call except read() visits more than the four stations;
+/// The class makes no transfers and knows no clock except `now_us`. Chips are numbered from 0 in the caller's order;
+/// a chip that is neither started nor has a transaction asks for nothing. Among readings the earliest end has
+/// priority, among other transfers the lowest number. Cost: no call except read() visits more than the four chips;
 /// read() tries up to 185 moments for a restart.
 class ReadingSchedule {
  public:
-  static constexpr std::size_t kStations = layout::kAddressesPerLine;
+  static constexpr std::size_t kChips = layout::kAddressesPerLine;
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
   /// A reading takes this long, including the time until the next transfer can start.
   static constexpr std::uint64_t kBurst_us = 800;
@@ -46,37 +46,37 @@ class ReadingSchedule {
   };
   struct Due {
     Action action = Action::kNothing;
-    std::size_t station = 0;
+    std::size_t chip = 0;
     bool operator==(const Due&) const = default;
   };
 
-  /// Must be called first: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
-  void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every,
+  /// Must be called first: sequences of `chips` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
+  void begin(std::size_t chips, std::uint32_t nominal_us, std::uint8_t every,
              wire::SamplingTiming timing = wire::SamplingTiming::kTracked);
 
-  /// Sets the number of chips to `stations`; those from `first` on are new to the schedule and have no running
+  /// Sets the number of chips to `chips`; those from `first` on are new to the schedule and have no running
   /// transfer.
-  void replace_from(std::size_t first, std::size_t stations);
+  void replace_from(std::size_t first, std::size_t chips);
 
-  /// Plans a transfer of the caller's for the station, not before `at_us`, that takes at most `length_us`. A new plan
+  /// Plans a transfer of the caller's for the chip, not before `at_us`, that takes at most `length_us`. A new plan
   /// replaces the last one.
-  void plan_transaction(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
-  /// Returns when the transaction of the station may begin; kNever_us means that it has none.
-  [[nodiscard]] std::uint64_t transaction_us(std::size_t station) const { return plans_[station].transaction_us; }
-  /// Cancels the station's transaction.
-  void cancel_transaction(std::size_t station);
+  void plan_transaction(std::size_t chip, std::uint64_t at_us, std::uint64_t length_us);
+  /// Returns when the transaction of the chip may begin; kNever_us means that it has none.
+  [[nodiscard]] std::uint64_t transaction_us(std::size_t chip) const { return plans_[chip].transaction_us; }
+  /// Cancels the chip's transaction.
+  void cancel_transaction(std::size_t chip);
 
   /// Notes that the chip's first sequence was started at `at_us`; its oscillator is unknown, and no transaction is
   /// left. `latching` says when it shows its results.
-  void start(std::size_t station, std::uint64_t at_us, wire::Latching latching = wire::Latching::kEachStage);
+  void start(std::size_t chip, std::uint64_t at_us, wire::Latching latching = wire::Latching::kEachStage);
   /// Sets when the chip shows its results, which was not known at its start.
-  void set_latching(std::size_t station, wire::Latching latching);
+  void set_latching(std::size_t chip, wire::Latching latching);
   /// Stops reading the chip.
-  void stop(std::size_t station);
+  void stop(std::size_t chip);
   /// Reads a stopped chip again, as if it had continued to convert.
-  void take_up(std::size_t station);
+  void take_up(std::size_t chip);
   /// Restarts the refinement, because the status of a chip may have been read by others, or not at all.
-  void forget_status(std::size_t station);
+  void forget_status(std::size_t chip);
 
   /// Returns what must begin at `now_us`. Sequences whose window has closed are skipped; see take_missed().
   [[nodiscard]] Due due(std::uint64_t now_us);
@@ -86,26 +86,26 @@ class ReadingSchedule {
   /// Returns true if a burst that ended on the line at `ended_us` was over before its results could belong to two
   /// sequences. An undisturbed burst lasts `burst_us`; one that a chip has slowed down, or that was repeated, may take
   /// too long.
-  [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us, std::uint32_t burst_us) const {
+  [[nodiscard]] bool in_time(std::size_t chip, std::uint64_t ended_us, std::uint32_t burst_us) const {
     constexpr std::uint64_t kLatency_us = 20;
-    return by_timer_ || ended_us <= plans_[station].close_us + burst_us + kLatency_us;
+    return by_timer_ || ended_us <= plans_[chip].close_us + burst_us + kLatency_us;
   }
   /// Notes that the results of the present sequence are available at `now_us`. Returns when it ended in µs (by a
   /// timer: now), or nothing if it is not one that is sampled.
-  [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
+  [[nodiscard]] std::optional<std::uint64_t> read(std::size_t chip, std::uint64_t now_us);
   /// An undisturbed transfer of the status lasts this long when SCL has no rise time.
   static constexpr std::uint32_t kFastestStatus_us = 145;
   /// Notes that the transfer of the status ended on the line at `ended_us`, `length_us` after its start; bit s of
   /// `status` says that stage s was converted since the last one. The shortest transfer so far tells how slow the edges
   /// of this line are.
-  void status_read(std::size_t station, std::uint16_t status, std::uint64_t ended_us,
+  void status_read(std::size_t chip, std::uint16_t status, std::uint64_t ended_us,
                    std::uint32_t length_us = kFastestStatus_us);
   /// Notes that the transfer that restarts the sequence ended on the line at `ended_us`.
-  void restarted(std::size_t station, std::uint64_t ended_us);
+  void restarted(std::size_t chip, std::uint64_t ended_us);
   /// Notes that a restart or a reading of the status was not acknowledged; the next reading will tell more.
-  void failed(std::size_t station);
+  void failed(std::size_t chip);
   /// Returns how many sequences that had to be sampled passed unread since the last call.
-  [[nodiscard]] std::uint32_t take_missed(std::size_t station) { return std::exchange(plans_[station].missed, 0U); }
+  [[nodiscard]] std::uint32_t take_missed(std::size_t chip) { return std::exchange(plans_[chip].missed, 0U); }
 
  private:
   struct Plan {
@@ -147,7 +147,7 @@ class ReadingSchedule {
   [[nodiscard]] std::uint64_t restart_moment_us(const Plan& plan, std::uint64_t now_us) const;
   [[nodiscard]] std::span<const Plan> plans() const { return {plans_.data(), count_}; }
 
-  std::array<Plan, kStations> plans_{};
+  std::array<Plan, kChips> plans_{};
   std::size_t count_ = 0;
   std::uint32_t nominal_us_ = 0;
   std::uint32_t status_us_ = 0;  // The shortest transfer of a status so far took this long; 0 means none.

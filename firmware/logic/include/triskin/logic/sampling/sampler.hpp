@@ -6,13 +6,11 @@
 #include "triskin/drivers/ad7147.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/sampling/address_scan.hpp"
+#include "triskin/logic/sampling/chip_setup.hpp"
 #include "triskin/logic/sampling/configuration_check.hpp"
-#include "triskin/logic/sampling/duplicate_check.hpp"
 #include "triskin/logic/sampling/frozen_taxels.hpp"
-#include "triskin/logic/sampling/latch_probe.hpp"
 #include "triskin/logic/sampling/line_recovery.hpp"
-#include "triskin/logic/sampling/module_sample.hpp"
-#include "triskin/logic/sampling/offset_search.hpp"
+#include "triskin/logic/sampling/module_reading.hpp"
 #include "triskin/logic/sampling/presence.hpp"
 #include "triskin/logic/sampling/reading_schedule.hpp"
 #include "triskin/logic/sampling/table_row.hpp"
@@ -31,17 +29,16 @@ struct Sampling {
   bool operator==(const Sampling&) const = default;
 };
 
-/// Drives one line: finds, configures, checks and reads its chips. step() never waits. It makes the transfers and
-/// passes their results to the parts that decide: AddressScan (which chips answer), Presence (when an address is asked
-/// for its chip), OffsetSearch (the offset of each stage), DuplicateCheck (one chip or two), LatchProbe (when a chip
-/// shows its results), ConfigurationCheck (when to read it back), ReadingSchedule (which transfer is due), LineRecovery
-/// (how to treat a line that is held low). One bad chip or line does not stop the others.
+/// Drives one line: finds, configures, checks and reads its chips. step() never waits. It moves bytes only; others
+/// decide: ReadingSchedule (which transfer is due), ChipSetup (what a chip needs until its readings count), Presence
+/// (when an address is asked for its chip), ConfigurationCheck (when it is read back), AddressScan (which chips
+/// answer), LineRecovery (how to treat a line that is held low). One bad chip or line does not stop the others.
 class LineSampler {
  public:
-  /// All lines share these data. Samples and offsets must outlive the sampler, but the table need not.
+  /// All lines share these data. Readings and offsets must outlive the sampler, but the table need not.
   struct Patch {
-    std::span<const layout::ModuleRow> rows;  ///< The rows are those of the table.
-    std::span<ModuleSample> samples;          ///< The samples are indexed by the row of the table.
+    std::span<const layout::ModuleRow> rows;  ///< of the table
+    std::span<ModuleReading> readings;        ///< indexed by the row of the table
     OffsetBook& offsets;
     bool positive_input = false;  ///< The electrodes are on the positive input, so results are inverted.
   };
@@ -80,107 +77,85 @@ class LineSampler {
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const;
 
  private:
-  // Names the transfer that is running.
+  // The transfer that is running.
   enum class Job : std::uint8_t {
     kIdle,
-    kDrain,  // Only the end of this transfer counts, because it is from before begin().
+    kDrain,  // only its end counts: it was started for something that is over
     kScan,
     kIdentify,
-    kIdentifyUnconfigured,  // The chip has lost its configuration, so its id is read to see if it is still an AD7147.
+    kIdentifyUnconfigured,  // the chip has lost its configuration; is it still an AD7147?
     kConfigure,
     kRead,
-    kProbe,  // These results are read in mid-sequence, for LatchProbe.
+    kProbe,  // of results in mid-sequence
     kVerify,
-    kVerifyReading,  // The results that were read count only if the configuration is correct.
+    kVerifyReading,  // the results that were read count only if the configuration is right
     kStatus,
     kRestart
   };
-  // Each chip has one of these goals. Readings of kOther (the unused input), kShifted (the used one with other offsets)
-  // and kFirst (as it is used) are not published, because they belong to the checks.
-  enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
-  // Each address of the line at which the table has a module has this state.
-  struct ChipState {
+  // A configuration is written in several transfers, between the readings of the line's other chips.
+  struct Configuration {
+    bool running = false, offsets_only = false;
+    std::uint8_t step = 0;
+    std::uint64_t begun_us = 0;  // the end of its first transfer
+    [[nodiscard]] int steps() const { return offsets_only ? Ad7147::kOffsetSteps : Ad7147::kConfigurationSteps; }
+  };
+  // One AD7147 on this line.
+  struct Chip {
     TableRow row{};
-    std::uint8_t address = 0;  // The address on the line is 0..3.
-    Phase phase = Phase::kFind, after_configuration = Phase::kFind;
-    std::uint8_t configuration_step = 0;
-    bool offsets_only = false;           // The present configuration sets only offsets.
-    std::uint64_t offsets_begun_us = 0;  // The sequence was restarted at this time, before the offsets.
+    std::uint8_t address = 0;  // on the line, 0..3
+    ChipSetup setup;
+    Configuration configuration;
     Presence presence;
-    OffsetSearch offsets;
-    DuplicateCheck duplicates;
-    LatchProbe latch;
-    ConfigurationCheck configuration;
+    ConfigurationCheck check;
     FrozenTaxels frozen;
   };
 
-  [[nodiscard]] std::uint64_t lasted_us() const { return line_->ended_us() - line_->started_us(); }
-  [[nodiscard]] bool must_repeat_start();
+  [[nodiscard]] Chip& add_chip(TableRow row, std::uint8_t address);
   void start_next(std::uint64_t now_us);
-  void start_transaction();
+  void start_transaction(Chip& chip);
   void start(Job job);
   void finish(Status status, std::uint64_t now_us);
+  void finish_configure(Chip& chip);
+  void finish_read(Chip& chip, std::uint64_t now_us);
+  void handle_stuck(bool scanning, std::uint64_t now_us);
   void abandon_transfer();
-  void handle_no_answer(std::uint64_t now_us);
-  void handle_stuck(std::uint64_t now_us);
-  void finish_job(Job job, std::uint64_t now_us);
-  void finish_identify(std::uint64_t now_us);
-  void begin_offsets();
-  void settle_offsets();
-  void finish_configure();
-  void plan_probe();
-  void start_probe();
-  void finish_read(std::uint64_t now_us);
-  void finish_probe();
-  [[nodiscard]] bool finish_first_reading(std::uint64_t now_us);
-  void finish_probing(std::uint64_t now_us);
-  void begin_run();
-  void finish_verify(Job job, std::uint64_t now_us);
-  void use_results(std::uint64_t now_us);
+  void find(Chip& chip, std::uint64_t at_us);
+  void give_up(Chip& chip, wire::ModuleState state, std::uint64_t now_us);
+  void configure(Chip& chip, bool offsets_only);
+  void publish(Chip& chip, std::uint64_t now_us);
   void count_missed();
-  void find(ChipState& station, std::uint64_t at_us);
-  void configure(Phase next);
-  void configure_offsets(Phase next);
-  [[nodiscard]] int configuration_steps() {
-    return current().offsets_only ? Ad7147::kOffsetSteps : Ad7147::kConfigurationSteps;
+  [[nodiscard]] bool must_repeat_start();
+  [[nodiscard]] std::uint64_t lasted_us() const { return line_->ended_us() - line_->started_us(); }
+  [[nodiscard]] PlaceOffsets& place_of(const Chip& chip) {
+    return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + chip.address];
   }
-  void begin_configuration(std::uint8_t address);
-  void give_up(wire::ModuleState state, std::uint64_t now_us);
-  [[nodiscard]] ChipState& current() { return stations_[current_]; }
-  [[nodiscard]] Ad7147::Polarity polarity(Phase phase) const;
-  [[nodiscard]] ad7147::Offsets offsets_for(Phase phase);
-  [[nodiscard]] PlaceOffsets& place_of(const ChipState& station) {
-    return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + station.address];
+  [[nodiscard]] ModuleReading& reading_of(const Chip& chip) { return readings_[index_of(chip.row)]; }
+  [[nodiscard]] std::size_t number_of(const Chip& chip) const {
+    return static_cast<std::size_t>(&chip - chips_.data());
   }
-  [[nodiscard]] ModuleSample& sample_of(const ChipState& station) { return samples_[index_of(station.row)]; }
-  [[nodiscard]] std::size_t number_of(const ChipState& station) const {
-    return static_cast<std::size_t>(&station - stations_.data());
-  }
-  [[nodiscard]] std::uint8_t chip_address() const;
   [[nodiscard]] std::uint32_t sequence_us() const { return ad7147::sequence_us(sampling_.decimation); }
-  [[nodiscard]] std::span<ChipState> stations() { return {stations_.data(), station_count_}; }
-  [[nodiscard]] std::span<const ChipState> stations() const { return {stations_.data(), station_count_}; }
+  [[nodiscard]] std::span<Chip> chips() { return {chips_.data(), chip_count_}; }
+  [[nodiscard]] std::span<const Chip> chips() const { return {chips_.data(), chip_count_}; }
 
   I2cLine* line_ = nullptr;
   std::uint8_t line_index_ = 0;
-  std::span<ModuleSample> samples_;
+  std::span<ModuleReading> readings_;
   OffsetBook* offsets_ = nullptr;
   bool positive_input_ = false;
   Sampling sampling_;
-  std::array<ChipState, layout::kAddressesPerLine> stations_{};
-  std::size_t station_count_ = 0, current_ = 0;  // The running transfer belongs to chip current_.
-  Ad7147 chip_;
+  std::array<Chip, layout::kAddressesPerLine> chips_{};
+  std::size_t chip_count_ = 0, current_ = 0;  // the running transfer belongs to chip current_
+  Ad7147 driver_;
   ad7147::Results results_{};
   AddressScan scan_;
   ReadingSchedule schedule_;
   LineRecovery recovery_;
   Job job_ = Job::kIdle;
   bool pausing_ = false;
-  int repeats_ = 0;                                      // The transfer that starts a sequence was repeated this often.
-  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // The shortest burst so far was not slowed down by any chip.
+  int repeats_ = 0;                                      // of the transfer that starts a sequence
+  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // the shortest so far was not slowed down by any chip
   std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
-  // Nothing is due before this time; 0 means that the schedule has changed since it was asked.
-  std::uint64_t idle_until_us_ = 0;
+  std::uint64_t idle_until_us_ = 0;  // nothing is due before; 0: the schedule has changed since it was asked
   std::uint32_t bus_errors_ = 0;
 };
 

@@ -11,7 +11,7 @@
 namespace triskin::fw {
 
 /// Each module of the table has its state and its last sample here.
-struct ModuleSample {
+struct ModuleReading {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
   /// Bit t says that taxel t was read in the last sequence, is inside its range and not frozen.

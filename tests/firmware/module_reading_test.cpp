@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/sampling/module_sample.hpp"
+#include "triskin/logic/sampling/module_reading.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ ad7147::Results middle() {
   return results;
 }
 
-TEST(ModuleSample, AllTaxelsInsideTheirRangeAreValid) {
-  ModuleSample sample;
+TEST(ModuleReading, AllTaxelsInsideTheirRangeAreValid) {
+  ModuleReading sample;
   sample.store(middle(), 0);
   EXPECT_EQ(sample.state, ModuleState::kOk);
   EXPECT_EQ(sample.valid, 0x0FFF);
@@ -23,8 +23,8 @@ TEST(ModuleSample, AllTaxelsInsideTheirRangeAreValid) {
 }
 
 // Taxels 0 and 11 are at the ends: 0x0FFF − 0x0801 = 0x07FE.
-TEST(ModuleSample, ATaxelAtAnEndOfItsRangeIsSaturated) {
-  ModuleSample sample;
+TEST(ModuleReading, ATaxelAtAnEndOfItsRangeIsSaturated) {
+  ModuleReading sample;
   ad7147::Results results = middle();
   results[0] = 0;
   results[11] = 0xFFFF;
@@ -33,16 +33,16 @@ TEST(ModuleSample, ATaxelAtAnEndOfItsRangeIsSaturated) {
   EXPECT_EQ(sample.valid, 0x07FE);
 }
 
-TEST(ModuleSample, AFrozenTaxelIsNotValid) {
-  ModuleSample sample;
+TEST(ModuleReading, AFrozenTaxelIsNotValid) {
+  ModuleReading sample;
   sample.store(middle(), 0x0010);
   EXPECT_EQ(sample.state, ModuleState::kFrozen);
   EXPECT_EQ(sample.valid, 0x0FEF);
 }
 
 // A taxel that rests at the end of its range does not change either, but it counts as saturated, not frozen.
-TEST(ModuleSample, SaturatedComesBeforeFrozen) {
-  ModuleSample sample;
+TEST(ModuleReading, SaturatedComesBeforeFrozen) {
+  ModuleReading sample;
   ad7147::Results results = middle();
   results[4] = 0;
   sample.store(results, 0x0010);
@@ -50,8 +50,8 @@ TEST(ModuleSample, SaturatedComesBeforeFrozen) {
   EXPECT_EQ(sample.valid, 0x0FEF);
 }
 
-TEST(ModuleSample, AFailureTakesTheValidityAndKeepsTheCounts) {
-  ModuleSample sample;
+TEST(ModuleReading, AFailureTakesTheValidityAndKeepsTheCounts) {
+  ModuleReading sample;
   sample.store(middle(), 0);
   sample.publish(1'000);
   sample.store_failure(ModuleState::kAbsent);

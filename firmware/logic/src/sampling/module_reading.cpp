@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "triskin/logic/sampling/module_sample.hpp"
+#include "triskin/logic/sampling/module_reading.hpp"
 
 namespace triskin::fw {
 
 using wire::ModuleState;
 
-void ModuleSample::store(const ad7147::Results& results, std::uint16_t frozen) {
+void ModuleReading::store(const ad7147::Results& results, std::uint16_t frozen) {
   raw = results;
   std::uint16_t inside = 0;
   for (std::size_t t = 0; t < raw.size(); ++t) {
@@ -18,12 +18,12 @@ void ModuleSample::store(const ad7147::Results& results, std::uint16_t frozen) {
   compensation.add(raw, valid);
 }
 
-void ModuleSample::store_failure(ModuleState why) {
+void ModuleReading::store_failure(ModuleState why) {
   valid = 0;
   state = why;
 }
 
-void ModuleSample::publish(std::uint64_t at_us) {
+void ModuleReading::publish(std::uint64_t at_us) {
   ++number;
   time_us = at_us;
   fresh = true;

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/logic/sampling/chip_setup.hpp"
+
+#include <span>
+
+namespace triskin::fw {
+
+// The earlier offsets are tried first: the chip may be another one of the same kind.
+ChipSetup::Next ChipSetup::on_identity(std::uint16_t device_id, PlaceOffsets& place) {
+  if (place.known && place.device_id == device_id) {
+    offsets_.begin(place.steps);
+  } else {
+    offsets_.begin();
+    single_ = false;
+    place.known = false;
+  }
+  place.device_id = device_id;
+  place.state = wire::OffsetState::kSearching;
+  return enter(single_ ? State::kUsed : State::kOther, Next::kConfigure);
+}
+
+ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffsets& place) {
+  switch (state_) {
+    case State::kOther:
+      if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
+      before_ = results;
+      return enter(State::kUsed, Next::kConfigure);
+
+    case State::kUsed:
+      if (single_) {
+        if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
+      } else {
+        switch (duplicates_.compare(before_, results)) {
+          case DuplicateCheck::Verdict::kSuspected:
+            return enter(State::kOther, Next::kConfigure);
+          case DuplicateCheck::Verdict::kDuplicate:
+            return enter(State::kFind, Next::kDuplicate);
+          case DuplicateCheck::Verdict::kSingle:
+            single_ = true;
+        }
+      }
+      if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
+      settle(place);
+      return enter(State::kRun, Next::kUse);
+
+    case State::kShifted:
+      before_ = results;
+      latch_.skip();  // what was read in the middle of an earlier sequence
+      return enter(State::kLatching, Next::kConfigureOffsets);
+
+    case State::kLatching:
+      latch_.compare(before_, results);
+      if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
+      settle(place);
+      return enter(State::kRun, Next::kSkip);
+
+    case State::kFind:
+    case State::kRun:
+      break;
+  }
+  return Next::kUse;
+}
+
+// The shift of the offsets is large enough to tell with which ones a result was converted, and small enough to keep it
+// in range.
+Ad7147::Stages ChipSetup::stages() const {
+  const bool positive = (state_ == State::kOther) != positive_;
+  Ad7147::Stages stages{positive ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative, offsets_.offsets()};
+  if (state_ != State::kShifted) return stages;
+  constexpr std::uint8_t kShift = 4;
+  for (std::uint8_t& o : std::span(stages.offsets).first(LatchProbe::kStages))
+    o = static_cast<std::uint8_t>(o < kShift ? o + kShift : o - kShift);
+  return stages;
+}
+
+// One chip answers and its offsets are final.
+void ChipSetup::settle(PlaceOffsets& place) const {
+  place.outside = offsets_.outside();
+  place.latching = latch_.latching();
+  if (!place.known || place.steps != offsets_.offsets()) {
+    place.steps = offsets_.offsets();
+    place.known = place.to_store = true;
+    ++place.searches;
+  }
+  place.state = place.outside != 0    ? wire::OffsetState::kOutside
+                : place.searches == 0 ? wire::OffsetState::kKept
+                                      : wire::OffsetState::kFound;
+}
+
+}  // namespace triskin::fw

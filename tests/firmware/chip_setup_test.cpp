@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/sampling/chip_setup.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace triskin::fw {
+namespace {
+
+using Next = ChipSetup::Next;
+using State = ChipSetup::State;
+using Polarity = Ad7147::Polarity;
+
+// What a chip gives, for electrodes of 9.92 pF: 31 steps of 1,311 counts cancel them, so that they rest at 0x8000.
+enum class Gives {
+  kId,           // its device id, 0x1472
+  kOtherId,      // that of another revision, 0x1473
+  kRest,         // twelve results at the input and with the offsets that were configured
+  kFourFarther,  // the same with electrodes that have four steps more
+  kTwoChips,     // the same at the other input; at the used one 0x1000 counts less, alternating by taxel
+  kMiddleNew,    // in mid-sequence: the results that the configured offsets give
+  kMiddleOld,    // in mid-sequence: the results of the sequence before
+};
+
+struct Step {
+  Gives gives;
+  Next next;
+  State state;
+};
+
+struct Case {
+  std::string name;
+  std::vector<Step> steps;
+};
+
+ad7147::Results results_of(const Ad7147::Stages& stages, int electrode_steps) {
+  ad7147::Results results{};
+  for (std::size_t t = 0; t < results.size(); ++t) {
+    const int above = 1311 * (electrode_steps - static_cast<int>(stages.offsets[t]));
+    results[t] = static_cast<std::uint16_t>(0x8000 + (stages.polarity == Polarity::kPositive ? above : -above));
+  }
+  return results;
+}
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+class ChipSetupWay : public testing::TestWithParam<Case> {
+ protected:
+  // Hands the setup what the chip gives, and returns what comes next.
+  Next hand(Gives gives) {
+    switch (gives) {
+      case Gives::kId:
+        return setup_.on_identity(0x1472, place_);
+      case Gives::kOtherId:
+        return setup_.on_identity(0x1473, place_);
+      case Gives::kMiddleNew:
+        setup_.on_middle(results_of(setup_.stages(), 31));
+        return Next::kConfigureOffsets;
+      case Gives::kMiddleOld:
+        setup_.on_middle(last_);
+        return Next::kConfigureOffsets;
+      case Gives::kRest:
+      case Gives::kFourFarther:
+      case Gives::kTwoChips:
+        break;
+    }
+    last_ = results_of(setup_.stages(), gives == Gives::kFourFarther ? 35 : 31);
+    if (gives == Gives::kTwoChips && setup_.stages().polarity == Polarity::kNegative) {
+      for (std::size_t t = 0; t < last_.size(); t += 2) last_[t] = static_cast<std::uint16_t>(last_[t] - 0x1000);
+    }
+    return setup_.on_results(last_, place_);
+  }
+
+  ChipSetup setup_;
+  PlaceOffsets place_;
+  ad7147::Results last_{};
+};
+
+TEST_P(ChipSetupWay, EachResultSaysWhatComesNext) {
+  setup_.begin(false);
+  int number = 0;
+  for (const Step& step : GetParam().steps) {
+    ASSERT_EQ(hand(step.gives), step.next) << "step " << number;
+    ASSERT_EQ(setup_.state(), step.state) << "step " << number;
+    ++number;
+  }
+}
+
+const std::vector<Step> kFirstTime{
+    {Gives::kId, Next::kConfigure, State::kOther},
+    {Gives::kRest, Next::kConfigure, State::kUsed},
+    {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+    {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+    {Gives::kMiddleNew, Next::kConfigureOffsets, State::kLatching},
+    {Gives::kRest, Next::kSkip, State::kRun},
+    {Gives::kRest, Next::kUse, State::kRun},
+};
+
+std::vector<Step> first_time_then(const std::vector<Step>& more) {
+  std::vector<Step> steps = kFirstTime;
+  steps.insert(steps.end(), more.begin(), more.end());
+  return steps;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, ChipSetupWay,
+    testing::Values(Case{"NewChip", kFirstTime},
+                    Case{"ElectrodesFourStepsFarther",
+                         {{Gives::kId, Next::kConfigure, State::kOther},
+                          {Gives::kFourFarther, Next::kConfigure, State::kOther},
+                          {Gives::kFourFarther, Next::kConfigure, State::kUsed},
+                          {Gives::kFourFarther, Next::kConfigureOffsets, State::kShifted}}},
+                    Case{"TwoChips",
+                         {{Gives::kId, Next::kConfigure, State::kOther},
+                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                          {Gives::kTwoChips, Next::kDuplicate, State::kFind},
+                          // One of them is taken away.
+                          {Gives::kId, Next::kConfigure, State::kOther},
+                          {Gives::kRest, Next::kConfigure, State::kUsed},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted}}},
+                    Case{"AFingerBetweenTheReadings",
+                         {{Gives::kId, Next::kConfigure, State::kOther},
+                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                          {Gives::kRest, Next::kConfigure, State::kUsed},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted}}},
+                    Case{"NoReadingInMidSequence",  // Three attempts, then the usual way of latching is taken.
+                         {{Gives::kId, Next::kConfigure, State::kOther},
+                          {Gives::kRest, Next::kConfigure, State::kUsed},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                          {Gives::kRest, Next::kSkip, State::kRun}}},
+                    Case{"PowerDip",  // The chip is known to be single: its offsets are tried, and its readings count.
+                         first_time_then({{Gives::kId, Next::kConfigure, State::kUsed},
+                                          {Gives::kRest, Next::kUse, State::kRun}})},
+                    Case{"AnotherChip", first_time_then({{Gives::kOtherId, Next::kConfigure, State::kOther},
+                                                         {Gives::kRest, Next::kConfigure, State::kUsed},
+                                                         {Gives::kRest, Next::kUse, State::kRun}})}),
+    [](const testing::TestParamInfo<Case>& c) { return c.param.name; });
+
+// The input that is not used later comes first; the pads of installed iCub boards are on the positive one.
+TEST(ChipSetup, ReadsTheOtherInputFirst) {
+  for (const bool positive : {false, true}) {
+    ChipSetup setup;
+    PlaceOffsets place;
+    setup.begin(positive);
+    (void)setup.on_identity(0x1472, place);
+    EXPECT_EQ(setup.stages().polarity, positive ? Polarity::kNegative : Polarity::kPositive);
+    (void)setup.on_results(results_of(setup.stages(), 31), place);
+    EXPECT_EQ(setup.stages().polarity, positive ? Polarity::kPositive : Polarity::kNegative);
+  }
+}
+
+// Four steps fewer in the first five stages: 27 of 31.
+TEST(ChipSetup, ShiftsTheOffsetsOfTheFirstStagesToSeeWhenResultsChange) {
+  ChipSetup setup;
+  PlaceOffsets place;
+  setup.begin(false);
+  (void)setup.on_identity(0x1472, place);
+  (void)setup.on_results(results_of(setup.stages(), 31), place);
+  (void)setup.on_results(results_of(setup.stages(), 31), place);
+  ASSERT_EQ(setup.state(), State::kShifted);
+  for (std::size_t s = 0; s < 12; ++s) EXPECT_EQ(setup.stages().offsets[s], s < 5 ? 27 : 31) << s;
+  (void)setup.on_results(results_of(setup.stages(), 31), place);
+  for (std::size_t s = 0; s < 12; ++s) EXPECT_EQ(setup.stages().offsets[s], 31) << s;
+}
+
+TEST(ChipSetup, TellsWhenAChipShowsItsResultsAndKeepsItsOffsets) {
+  for (const bool at_end : {false, true}) {
+    ChipSetup setup;
+    PlaceOffsets place;
+    setup.begin(false);
+    (void)setup.on_identity(0x1472, place);
+    (void)setup.on_results(results_of(setup.stages(), 31), place);
+    (void)setup.on_results(results_of(setup.stages(), 31), place);
+    const ad7147::Results shifted = results_of(setup.stages(), 31);
+    (void)setup.on_results(shifted, place);
+    setup.on_middle(at_end ? shifted : results_of(setup.stages(), 31));
+    EXPECT_FALSE(place.known);
+    EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kSkip);
+    EXPECT_EQ(setup.latching(), at_end ? wire::Latching::kEndOfSequence : wire::Latching::kEachStage);
+    EXPECT_EQ(place.latching, setup.latching());
+    EXPECT_TRUE(place.known && place.to_store);
+    EXPECT_EQ(place.searches, 1U);
+    EXPECT_EQ(place.steps[7], 31);
+    EXPECT_EQ(place.state, wire::OffsetState::kFound);
+  }
+}
+
+// 5.76 pF more than the offsets that fitted before are 18 steps: 23,598 counts, more than the middle third of 10,922.
+TEST(ChipSetup, AKnownChipWithOtherElectrodesGetsOtherOffsets) {
+  ChipSetup setup;
+  PlaceOffsets place;
+  setup.begin(false);
+  place.known = true;
+  place.device_id = 0x1472;
+  place.steps.fill(13);
+  setup.take_up();
+  setup.find();
+  EXPECT_EQ(setup.on_identity(0x1472, place), Next::kConfigure);
+  ASSERT_EQ(setup.state(), State::kUsed);
+  EXPECT_EQ(setup.stages().offsets[0], 13);
+  EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kConfigure);
+  EXPECT_EQ(setup.stages().offsets[0], 31);
+}
+
+// After a request to check everything a chip that ran is read at both inputs, and its way of latching is found anew.
+TEST(ChipSetup, ForgetsWhatItWasToldToForget) {
+  ChipSetup setup;
+  PlaceOffsets place;
+  setup.begin(false);
+  setup.take_up();
+  EXPECT_TRUE(setup.runs());
+  setup.find();
+  setup.forget_checks();
+  place.known = true;
+  place.device_id = 0x1472;
+  place.steps.fill(31);
+  EXPECT_EQ(setup.on_identity(0x1472, place), Next::kConfigure);
+  EXPECT_EQ(setup.state(), State::kOther);
+}
+
+}  // namespace
+}  // namespace triskin::fw
