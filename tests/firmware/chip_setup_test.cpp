@@ -200,7 +200,8 @@ TEST(ChipSetup, TellsWhenAChipShowsItsResultsAndKeepsItsOffsets) {
   }
 }
 
-// 5.76 pF more than the offsets that fitted before are 18 steps: 23,598 counts, more than the middle third of 10,922.
+// 18 steps more than the offsets that fitted before are 23,598 counts, more than the middle third of 10,922. Taken for
+// steps of 1,122 counts they are 21; three steps too many stay within the middle third.
 TEST(ChipSetup, AKnownChipWithOtherElectrodesGetsOtherOffsets) {
   ChipSetup setup;
   PlaceOffsets place;
@@ -214,7 +215,9 @@ TEST(ChipSetup, AKnownChipWithOtherElectrodesGetsOtherOffsets) {
   ASSERT_EQ(setup.state(), State::kUsed);
   EXPECT_EQ(setup.stages().offsets[0], 13);
   EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kConfigure);
-  EXPECT_EQ(setup.stages().offsets[0], 31);
+  EXPECT_EQ(setup.stages().offsets[0], 13 + 21);
+  EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kConfigureOffsets);
+  EXPECT_EQ(setup.state(), State::kShifted);
 }
 
 // After a request to check everything a chip that ran is read at both inputs, and its way of latching is found anew.

@@ -34,8 +34,10 @@ struct Electrodes {
   }
 };
 
-// By hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, and 0.08 pF of 8 remain.
-TEST(OffsetSearch, OneReadingTellsWhatIsTooMuch) {
+// By hand: 2 pF at 31 steps of 0.32 pF is 7.92 pF or 32,440 counts too little: 28.9 steps of 1,122. With 2 steps left
+// the electrode has 1.36 pF or 5,571 counts too much. So 29 steps are 38,011 counts, one 1,310: 4 steps more, 0.08 pF
+// remain.
+TEST(OffsetSearch, MeasuresTheStepFromTwoReadings) {
   Electrodes e;
   e.pf.fill(2.0);
   OffsetSearch search;
@@ -44,6 +46,10 @@ TEST(OffsetSearch, OneReadingTellsWhatIsTooMuch) {
   EXPECT_EQ(e.read(search.offsets(), Polarity::kNegative)[0], 32768 + 32440);
   EXPECT_TRUE(search.adjust(e.read(search.offsets(), Polarity::kNegative), Polarity::kNegative));
   EXPECT_EQ(search.outside(), 0x0FFF);
+  EXPECT_EQ(search.offsets()[0], 2);
+  EXPECT_EQ(e.read(search.offsets(), Polarity::kNegative)[0], 32768 - 5571);
+  EXPECT_TRUE(search.adjust(e.read(search.offsets(), Polarity::kNegative), Polarity::kNegative));
+  EXPECT_EQ(search.step_counts(), 1310);
   EXPECT_EQ(search.offsets()[0], 6);
   EXPECT_EQ(e.read(search.offsets(), Polarity::kNegative)[0], 32768 - 328);
   EXPECT_FALSE(search.adjust(e.read(search.offsets(), Polarity::kNegative), Polarity::kNegative));
@@ -64,11 +70,12 @@ TEST(OffsetSearch, EveryElectrodeOf2To18PfRestsInTheMiddleAfterThreeReadings) {
   }
 }
 
-// The step of a real chip may be off, and so may each electrode.
-TEST(OffsetSearch, AStepThatIsWrongByAFifthCostsReadingsOnly) {
+// Steps from 900 counts (970 were measured) to 1,400 (1,311 by the data sheet); 63 of the smallest are 13.84 pF, and
+// the middle third reaches 2.67 pF farther.
+TEST(OffsetSearch, StepsOfAnySizeCostReadingsOnly) {
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> pf(2.0, 18.0);
-  for (const double step_pf : {0.29, 0.35, 0.384}) {
+  std::uniform_real_distribution<double> pf(2.0, 16.5);
+  for (const double step_pf : {900 / 4096.0, 970 / 4096.0, 0.29, 0.32, 1400 / 4096.0}) {
     for (int n = 0; n < 300; ++n) {
       Electrodes e;
       e.step_pf = step_pf;
@@ -91,7 +98,7 @@ TEST(OffsetSearch, KnownOffsetsStayWhileTheirTaxelRestsInTheMiddleThird) {
   OffsetSearch search;
   search.begin(known);
   EXPECT_EQ(e.settle(search, Polarity::kPositive), 2);
-  known[4] = 31;
+  known[4] = 22 + 11;  // 12,124 counts are 10.8 steps of 1,122.
   EXPECT_EQ(search.offsets(), known);
   EXPECT_EQ(search.outside(), 0);
 }

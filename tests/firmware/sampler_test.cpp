@@ -39,7 +39,7 @@ TEST_F(Faults, NoneOnAHealthySkin) {
   start();
   expect_all_ok_but({}, ModuleState::kOk);
   EXPECT_EQ(statistic(1), 0U);           // Bus errors are counted here.
-  EXPECT_EQ(chip(0).configurations, 3);  // The first is for offsets, the second mirrored once, the third final.
+  EXPECT_EQ(chip(0).configurations, 4);  // Two measure the offset steps, one has the offsets, one is at the used input.
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
   EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // No fault was seen in the meantime.
 }

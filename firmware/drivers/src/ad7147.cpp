@@ -50,8 +50,9 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
   } else if (step == ad7147::kStages) {
     w.be16(ad7147::kPowerControl);
     w.be16(power_);
-    w.be16(ad7147::kAllStages);
-    w.be16(0x0000);  // Ambient compensation is off, because the controller compensates itself.
+    w.be16(
+        0x0000);  // No stage is calibrated by the chip, because the controller compensates itself; as iCub's boards do.
+    w.be16(0x0000);  // So the control registers of the ambient compensation have no effect.
     w.be16(0x0000);
     w.be16(0x0000);
     w.be16(0x0000);  // Threshold interrupts are off.
@@ -96,11 +97,11 @@ std::uint16_t Ad7147::status() const {
 
 void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
   write_register(ad7147::kPowerControl);
-  line.start(address, std::span(out_).first(2), std::span(in_).first(4));
+  line.start(address, std::span(out_).first(2), std::span(in_).first(2));
 }
 
 bool Ad7147::configuration_holds() const {
-  return big16(in_) == power_ && big16(std::span(in_).subspan(2)) == ad7147::kAllStages;
+  return big16(in_) == power_;
 }
 
 void Ad7147::begin_read(I2cLine& line, std::uint8_t address) {

@@ -27,10 +27,8 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
       return enter(State::kUsed, Next::kConfigure);
 
     case State::kUsed:
-      if (single_) {
-        if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
-      } else {
-        switch (duplicates_.compare(before_, results)) {
+      if (!single_) {
+        switch (duplicates_.compare(before_, results, offsets_.offsets())) {
           case DuplicateCheck::Verdict::kSuspected:
             return enter(State::kOther, Next::kConfigure);
           case DuplicateCheck::Verdict::kDuplicate:
@@ -39,6 +37,8 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
             single_ = true;
         }
       }
+      // The offset DAC of this input has other steps than that of the other one.
+      if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
       if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
       settle(place);
       return enter(State::kRun, Next::kUse);

@@ -9,9 +9,6 @@ namespace triskin::fw {
 
 namespace {
 
-// At this percentage, the first sequence of the slowest converter is over.
-constexpr std::uint32_t kSurelyOver_percent = 105;
-
 // Returns the end of another chip's sequence that is nearest to the end of this one's.
 std::uint64_t end_near(const SequenceClock& clock, const SequenceClock& other) {
   const std::uint64_t end = clock.end_us(), period = other.period_us();
@@ -36,10 +33,11 @@ void ReadingSchedule::Plan::clock_changed() {
 }
 
 void ReadingSchedule::begin(std::size_t chips, std::uint32_t nominal_us, std::uint8_t every,
-                            wire::SamplingTiming timing) {
+                            wire::SamplingTiming timing, std::uint32_t tolerance_percent) {
   by_timer_ = timing == wire::SamplingTiming::kTimer;
   count_ = chips;
   nominal_us_ = nominal_us;
+  tolerance_percent_ = tolerance_percent;
   every_ = every;
 }
 
@@ -61,9 +59,10 @@ void ReadingSchedule::start(std::size_t chip, std::uint64_t at_us, wire::Latchin
   Plan& plan = plans_[chip];
   plan = Plan{};
   plan.running = true;
-  if (by_timer_) return set_timer(plan, at_us + nominal_us_ / 100 * kSurelyOver_percent);
+  // The first sequence of the slowest converter is over then.
+  if (by_timer_) return set_timer(plan, at_us + nominal_us_ / 100 * (100 + tolerance_percent_ + 1));
   plan.clear_wanted = true;
-  plan.clock.start(at_us, nominal_us_, latching);
+  plan.clock.start(at_us, nominal_us_, latching, tolerance_percent_);
   plan.clock_changed();
 }
 
@@ -131,7 +130,7 @@ std::uint64_t ReadingSchedule::refine_start_us(const Plan& plan) const {
 // A later status would say little; the end of the next stage serves as well.
 std::uint64_t ReadingSchedule::last_refine_us(const Plan& plan) const {
   constexpr std::uint64_t kLate_us = 30;
-  return refine_start_us(plan) + kLate_us + plan.clock.doubt_us() / 8;
+  return refine_start_us(plan) + kLate_us + plan.clock.stage_doubt_us(plan.refine_stage) / 8;
 }
 
 // Chooses the next stage whose end the status can show. The stage before it must also end after the present reading of
@@ -139,7 +138,8 @@ std::uint64_t ReadingSchedule::last_refine_us(const Plan& plan) const {
 void ReadingSchedule::plan_refinement(Plan& plan) {
   constexpr std::uint64_t kApart_us = 50;
   while (++plan.refine_stage < ad7147::kStages) {
-    if (plan.clock.stage_end_us(plan.refine_stage - 1) > plan.status_us + plan.clock.doubt_us() / 2 + kApart_us) return;
+    const int before = plan.refine_stage - 1;
+    if (plan.clock.stage_end_us(before) > plan.status_us + plan.clock.stage_doubt_us(before) / 2 + kApart_us) return;
   }
   plan.status_us = 0;
 }

@@ -5,12 +5,13 @@
 
 namespace triskin::fw {
 
-void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching) {
+void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching,
+                          std::uint32_t tolerance_percent) {
   nominal_us_ = nominal_us;
   latching_ = latching;
   const std::uint64_t nominal = std::uint64_t{nominal_us} << kFraction;
-  shortest_ = nominal * (100 - kTolerance_percent) / 100;
-  longest_ = nominal * (100 + kTolerance_percent) / 100;
+  shortest_ = nominal * (100 - tolerance_percent) / 100;
+  longest_ = nominal * (100 + tolerance_percent) / 100;
   begin(at_us);
 }
 
@@ -45,9 +46,25 @@ std::uint64_t SequenceClock::stage_end_us(int stage) const {
   return end_us() - static_cast<std::uint32_t>(period_us()) * static_cast<std::uint32_t>(kStages - 1 - stage) / kStages;
 }
 
+std::uint64_t SequenceClock::stage_doubt_us(int stage) const {
+  const std::uint64_t by_end = last_ - first_;
+  if (since_anchor_ == 0) return by_end >> kFraction;
+  const std::uint64_t since_anchor =
+      anchor_last_ - anchor_first_ + (longest_ - shortest_) * stages_since_anchor(stage) / kStages;
+  return std::min(by_end, since_anchor) >> kFraction;
+}
+
 void SequenceClock::refine(std::uint64_t at_us, int stage, bool ended) {
   const auto left = static_cast<std::uint64_t>(kStages - 1 - stage);
   const std::uint64_t at = at_us << kFraction;
+  // The stage lies between the anchor and the end, so it bounds the period by itself.
+  if (since_anchor_ > 0) {
+    const std::uint64_t stages = stages_since_anchor(stage), changed = wander(since_anchor_);
+    const std::uint64_t longest = (at + kSlack - anchor_first_) * kStages / stages + changed,
+                        shortest = (at - kSlack - anchor_last_) * kStages / stages - changed;
+    if (ended && longest >= shortest_) longest_ = std::min(longest_, longest);
+    if (!ended && shortest <= longest_) shortest_ = std::max(shortest_, shortest);
+  }
   const std::uint64_t latest = at + left * longest_ / kStages + kSlack,
                       earliest = at + left * shortest_ / kStages - kSlack;
   if (ended && latest < first_) return contradict(latest);

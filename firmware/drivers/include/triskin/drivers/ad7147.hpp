@@ -13,9 +13,8 @@ namespace triskin::fw {
 
 /// The registers of the AD7147 (data sheet rev. E, tables 14–36) have 16-bit addresses and values, big-endian.
 namespace ad7147 {
-inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002,
-                               kInterruptEnable = 0x005, kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017,
-                               kStage = 0x080;
+inline constexpr std::uint16_t kPowerControl = 0x000, kAmbientControl = 0x002, kInterruptEnable = 0x005,
+                               kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
 /// Returns full power with twelve stages; bits 8 and 9 select the decimation.
 [[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) {
   return static_cast<std::uint16_t>(0x00B0 | static_cast<unsigned>(d) << 8);
@@ -27,12 +26,11 @@ using Results = std::array<std::uint16_t, kStages>;
 inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
 /// This bit of kAmbientControl restarts the sequence at stage 0, keeps the results and clears itself.
 inline constexpr std::uint16_t kConvReset = 0x8000;
-/// The converter subtracts an offset from the electrode's capacitance at each stage, in steps of 0.32 pF.
+/// The converter subtracts an offset from the electrode's capacitance at each stage, in steps of nominally 0.32 pF.
 using Offsets = std::array<std::uint8_t, kStages>;
 inline constexpr std::uint8_t kMaxOffset = 63;
 /// In the register, the field of the positive input begins at this bit.
 inline constexpr unsigned kPositiveOffset = 8;
-inline constexpr std::int32_t kOffsetCounts = 1311;  ///< One step changes the result by this: 0.32 pF of 8 pF / 32768.
 /// Returns the conversion time of twelve stages (data sheet table 11) in µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
   return wire::sequence_us(d);
@@ -84,7 +82,7 @@ class Ad7147 {
   /// Returns what begin_status() read: bit s for stage s, 0..11.
   [[nodiscard]] std::uint16_t status() const;
 
-  /// Reads back the registers that a power dip would clear: power control and calibration enables.
+  /// Reads back power control, which a power dip would clear: 0 is its reset value and never written.
   void begin_verify(I2cLine& line, std::uint8_t address);
   /// Returns true when begin_verify() read what was written, so that no reset happened in between.
   [[nodiscard]] bool configuration_holds() const;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "triskin/drivers/ad7147.hpp"
+#include "triskin/logic/sampling/sequence_clock.hpp"
 #include "triskin/wire/offsets.hpp"
 
 namespace triskin::fw {
@@ -15,8 +16,10 @@ class LatchProbe {
  public:
   /// The probe may begin after this percentage of the nominal sequence.
   static constexpr std::uint32_t kBegin_percent = 55;
-  static constexpr std::uint32_t kEnd_percent = 96;  ///< At this percentage the fastest oscillator ends the sequence.
+  /// At this percentage the fastest oscillator ends the sequence.
+  static constexpr std::uint32_t kEnd_percent = 100 - SequenceClock::kTolerance_percent;
   static constexpr int kStages = Ad7147::kOffsetStages;  ///< These first stages have ended by then.
+  static_assert(kStages * (100 + SequenceClock::kTolerance_percent) / ad7147::kStages < kBegin_percent);
   static constexpr int kMaxProbes = 3;
 
   /// Discards everything that is known about the chip.

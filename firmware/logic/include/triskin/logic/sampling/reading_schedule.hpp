@@ -50,9 +50,11 @@ class ReadingSchedule {
     bool operator==(const Due&) const = default;
   };
 
-  /// Must be called first: sequences of `chips` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
+  /// Must be called first: sequences of `chips` chips last `nominal_us` ± `tolerance_percent`, and each `every`-th
+  /// (1..255) is sampled.
   void begin(std::size_t chips, std::uint32_t nominal_us, std::uint8_t every,
-             wire::SamplingTiming timing = wire::SamplingTiming::kTracked);
+             wire::SamplingTiming timing = wire::SamplingTiming::kTracked,
+             std::uint32_t tolerance_percent = SequenceClock::kTolerance_percent);
 
   /// Sets the number of chips to `chips`; those from `first` on are new to the schedule and have no running
   /// transfer.
@@ -149,7 +151,7 @@ class ReadingSchedule {
 
   std::array<Plan, kChips> plans_{};
   std::size_t count_ = 0;
-  std::uint32_t nominal_us_ = 0;
+  std::uint32_t nominal_us_ = 0, tolerance_percent_ = SequenceClock::kTolerance_percent;
   std::uint32_t status_us_ = 0;  // The shortest transfer of a status so far took this long; 0 means none.
   std::uint8_t every_ = 1;
   bool by_timer_ = false;

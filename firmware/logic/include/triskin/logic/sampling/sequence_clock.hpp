@@ -6,11 +6,11 @@
 
 namespace triskin::fw {
 
-/// Predicts when one converter's sequence of twelve stages ends. The chip has its own oscillator (± 4 %) and signals
-/// no end. The class stores what is certain: an interval in which the present sequence ends, and one in which the
-/// period lies. It begins with the moment at which the sequence was started. A reading of the stage-complete status
-/// shows whether a stage had ended at a time and narrows the first interval; comparison with an earlier end narrows the
-/// second. All stages last equally long, so any of them will do. Time is an argument.
+/// Predicts when one converter's sequence of twelve stages ends. The chip has its own oscillator and signals no end.
+/// The class stores what is certain: an interval in which the present sequence ends, and one in which the period lies.
+/// It begins with the moment at which the sequence was started. A reading of the stage-complete status shows whether a
+/// stage had ended at a time and narrows the first interval; comparison with an earlier end narrows the second. All
+/// stages last equally long, so any of them will do. Time is an argument.
 ///
 /// A burst of twelve results is consistent when the last result is read after the end of the sequence and the first one
 /// before stage 0 of the next is complete, wherever in the interval the end is: that is the window of read_us() …
@@ -19,16 +19,20 @@ namespace triskin::fw {
 /// applies: its results may then be of two sequences, but none is from before the start.
 class SequenceClock {
  public:
-  /// The tolerance is that of the oscillator (AD7147 data sheet, table 1).
-  static constexpr std::uint32_t kTolerance_percent = 4;
+  /// The oscillator may be off by this until the first end is measured. Its limits are not in any source at hand (±4 %
+  /// are typical); three times that is assumed.
+  static constexpr std::uint32_t kTolerance_percent = 12;
   /// The first result of a burst is read this long after its start, after six bytes.
   static constexpr std::uint64_t kFirstResult_us = 135;
   /// The high byte of the last result of a burst is read this long after its start, after 26 bytes.
   static constexpr std::uint64_t kLastResult_us = 585;
   static constexpr int kStages = 12;
 
-  /// Notes that the sequence was restarted at `at_us`; nothing is known about the oscillator.
-  void start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching = wire::Latching::kEachStage);
+  /// Notes that the sequence was restarted at `at_us`; the oscillator is only known to ± `tolerance_percent`. While
+  /// that is more than 4, there is no window for a chip that shows its results stage by stage: its first sequence can
+  /// only be read once the status has narrowed its end.
+  void start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching = wire::Latching::kEachStage,
+             std::uint32_t tolerance_percent = kTolerance_percent);
   /// Sets when the chip shows its results, which was found out since the start.
   void set_latching(wire::Latching latching) { latching_ = latching; }
   /// Notes that the sequence was restarted at `at_us` on a chip whose oscillator is already known, unless the status
@@ -54,10 +58,15 @@ class SequenceClock {
   /// Returns true if the end of the present sequence is not known well enough.
   [[nodiscard]] bool refinement_wanted() const { return doubt_us() > kWanted_us; }
   /// Returns a time at which the sequence before the present one has certainly ended.
-  [[nodiscard]] std::uint64_t began_us() const { return (last_ - shortest_) >> kFraction; }
+  [[nodiscard]] std::uint64_t began_us() const {
+    return (since_anchor_ == 1 ? anchor_last_ : last_ - shortest_) >> kFraction;
+  }
   /// Returns the best estimate of when `stage` (0..11) of the present sequence ends; reading the status at that time
   /// tells most.
   [[nodiscard]] std::uint64_t stage_end_us(int stage) const;
+  /// Returns the length of the interval in which that stage ends. In the first sequence after a start the early stages
+  /// are known best.
+  [[nodiscard]] std::uint64_t stage_doubt_us(int stage) const;
   /// Narrows the intervals: the status, sampled at `at_us`, showed whether `stage` of the present sequence had `ended`.
   void refine(std::uint64_t at_us, int stage, bool ended);
   /// Advances to the sequence after the present one, `count` times.
@@ -81,6 +90,10 @@ class SequenceClock {
   [[nodiscard]] std::uint32_t sequence_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction); }
   [[nodiscard]] bool stage_by_stage() const { return latching_ == wire::Latching::kEachStage; }
   [[nodiscard]] std::uint64_t wander(std::uint64_t sequences) const;
+  // Stages that end between the anchor and the end of `stage` of the present sequence.
+  [[nodiscard]] std::uint64_t stages_since_anchor(int stage) const {
+    return std::uint64_t{since_anchor_ - 1} * kStages + static_cast<std::uint64_t>(stage) + 1;
+  }
   void begin(std::uint64_t at_us);
   void contradict(std::uint64_t end);
   void measure_period();
