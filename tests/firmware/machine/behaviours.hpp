@@ -17,7 +17,7 @@ inline constexpr std::array<NamedBehaviour, 5> kBehaviours{{
     {"PowerRestarts", {.power_control_restarts = true}},
     {"Shifted", {.shifted_after_stop = true}},
     {"LatchedAtEnd", {.latched_at_end = true}},
-    {"AllAtOnce", {.shifted_after_stop = true, .latched_at_end = true, .afe_step_pf = 0.36}},
+    {"AllAtOnce", {.shifted_after_stop = true, .latched_at_end = true, .step_counts = 0.36 * hardware::kCountsPerPf}},
 }};
 
 /// Returns the behaviour of that name, or the first one if there is none.

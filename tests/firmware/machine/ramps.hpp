@@ -24,7 +24,7 @@ class Ramps : public Sampling {
   int converted(int m, std::size_t t, const wire::TaxelFrame& f) {
     const auto afe = module_at(m).chip->read_register(static_cast<std::uint16_t>(0x082 + 8 * t), 0) & 0x3F;
     const auto level =
-        static_cast<int>(std::lround(module_at(m).source.level[t] - afe * module_at(m).behaviour.afe_step_pf * 4096));
+        static_cast<int>(std::lround(module_at(m).source.level[t] - afe * module_at(m).behaviour.step_counts));
     return (f.value[t] - 0x8000 + level + 16 * PadSource::kRampCounts) % PadSource::kRampCounts;
   }
   static int gap(int later, int earlier) {

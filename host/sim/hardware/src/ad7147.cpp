@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint16_t kPwrControl = 0x000;
 constexpr std::uint16_t kAmbCompControl0 = 0x002;
 constexpr std::uint16_t kConvReset = 0x8000;  // The chip clears this bit itself once the sequence has restarted.
+constexpr std::uint16_t kStageCompleteEnable = 0x007;
 constexpr std::uint16_t kStageCompleteStatus = 0x00A;
 constexpr std::uint16_t kResults = 0x00B;
 constexpr std::uint16_t kDeviceIdRegister = 0x017;
@@ -20,6 +21,10 @@ constexpr int kPins = 13;
 constexpr int kPinsInLowRegister = 7;
 
 constexpr int kMidScale = 0x8000;
+
+// What is drawn for a chip comes from streams that do not meet.
+constexpr std::uint64_t kPositiveDacStream = 0x100, kNegativeDacStream = 0x200, kPathStream = 0x300,
+                        kWanderStream = 0x400, kFirstStream = 0x1000;
 
 // The times are for 12 stages, indexed by the value of the decimation field.
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};
@@ -37,11 +42,41 @@ int connection(const std::uint16_t* stage, int pin) {
 
 }  // namespace
 
-// Converts a six-bit count of offset steps with its swap bit (bit 7 of the field); positive values add to the result.
+// Returns −1 … 1, another number for each pin, code or result of each chip (SplitMix64).
+double Ad7147::spread(std::uint64_t of) const {
+  std::uint64_t x = behaviour_.serial + of * 0x9E3779B97F4A7C15;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1p-52 - 1.0;
+}
+
+Ad7147::Dac Ad7147::ideal_dac() {
+  Dac dac{};
+  for (std::size_t code = 0; code < dac.size(); ++code)
+    dac[code] = static_cast<double>(code) * Ad7147Behaviour{}.step_counts;
+  return dac;
+}
+
+void Ad7147::set_behaviour(const Ad7147Behaviour& behaviour) {
+  behaviour_ = behaviour;
+  const auto fill = [&](Dac& dac, double step, double bend, std::uint64_t stream) {
+    constexpr double kLast = 63.0;
+    for (std::size_t code = 1; code < dac.size(); ++code) {
+      const auto x = static_cast<double>(code);
+      const double uneven = behaviour_.step_unevenness * spread(stream + code);
+      dac[code] = step * (x + bend * x * x / (2.0 * kLast) + uneven);
+    }
+  };
+  fill(positive_dac_, behaviour_.step_counts, behaviour_.step_bend, kPositiveDacStream);
+  fill(negative_dac_, behaviour_.step_counts * behaviour_.neg_step_ratio, behaviour_.neg_step_bend, kNegativeDacStream);
+}
+
+// Each input has a six-bit code and its swap bit (bit 7 of the field); positive values add to the result.
 double Ad7147::afe_counts(std::uint16_t afe) const {
-  const double negative = (afe & 0x3F) * ((afe & 0x80) != 0 ? -1.0 : 1.0);
-  const double positive = ((afe >> 8) & 0x3F) * ((afe & 0x8000) != 0 ? -1.0 : 1.0);
-  return (negative - positive) * behaviour_.afe_step_pf * kCountsPerPf;
+  const double negative = negative_dac_[afe & 0x3F] * ((afe & 0x80) != 0 ? -1.0 : 1.0);
+  const double positive = positive_dac_[(afe >> 8) & 0x3F] * ((afe & 0x8000) != 0 ? -1.0 : 1.0);
+  return negative - positive;
 }
 
 void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us) {
@@ -179,8 +214,8 @@ bool Ad7147::converting() const {
 }
 
 std::uint64_t Ad7147::stage_ns() const {
-  const auto nominal_ns = static_cast<std::int64_t>(kSequenceUs[(setup_[kPwrControl] >> 8) & 3]) * 1000;
-  return static_cast<std::uint64_t>((nominal_ns + nominal_ns / 1000 * clock_ppm_ / 1000) / kStages);
+  const auto nominal_ns = static_cast<double>(kSequenceUs[(setup_[kPwrControl] >> 8) & 3] * 1000);
+  return static_cast<std::uint64_t>(std::llround(nominal_ns * (1.0 + behaviour_.period_error))) / kStages;
 }
 
 std::uint64_t Ad7147::sequence_us() const {
@@ -225,7 +260,21 @@ double Ad7147::noise(int stage, std::uint64_t number) const {
   x ^= x >> 31;
   double sum = 0.0;
   for (int k = 0; k < 4; ++k) sum += static_cast<double>(x >> (16 * k) & 0xFFFF) / 65536.0 - 0.5;
-  return sum * std::sqrt(3.0) * kPeakToPeak[(setup_[kPwrControl] >> 8) & 3] / 6.6;
+  return behaviour_.noise * sum * std::sqrt(3.0) * kPeakToPeak[(setup_[kPwrControl] >> 8) & 3] / 6.6;
+}
+
+double Ad7147::path_counts(int pin, bool negative) const {
+  double counts = negative ? behaviour_.neg_extra_counts : 0.0;
+  if (behaviour_.path_spread_counts != 0.0)
+    counts += behaviour_.path_spread_counts * spread(kPathStream + static_cast<unsigned>(pin) * 2 + (negative ? 1 : 0));
+  return counts;
+}
+
+// A triangle of 4 s between −1 and 1, for each stage at another moment.
+double Ad7147::wander(int stage, std::uint64_t at_us) const {
+  constexpr double kPeriod_us = 4e6;
+  const double phase = static_cast<double>(at_us) / kPeriod_us + spread(kWanderStream + static_cast<unsigned>(stage));
+  return behaviour_.wander_counts * (4.0 * std::abs(phase - std::floor(phase) - 0.5) - 1.0);
 }
 
 std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
@@ -236,10 +285,14 @@ std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
     const int to = connection(setup, pin);
     if (to != 1 && to != 2) continue;
     connected = true;
-    value += (to == 1 ? -1.0 : 1.0) * source_->counts(pin, conversion.at_us);
+    value += (to == 1 ? -1.0 : 1.0) * (source_->counts(pin, conversion.at_us) + path_counts(pin, to == 1));
   }
   if (!connected) return kMidScale;
-  value += afe_counts(setup[2]) + noise(stage, conversion.number);
+  value += behaviour_.zero_counts + afe_counts(setup[2]) + noise(stage, conversion.number);
+  if (behaviour_.wander_counts != 0.0) value += wander(stage, conversion.at_us);
+  if (behaviour_.first_error_counts != 0.0 && conversion.number == 0)
+    value +=
+        behaviour_.first_error_counts * spread(kFirstStream + restart_us_ * kStages + static_cast<unsigned>(stage));
   return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 0xFFFFL));
 }
 
@@ -268,6 +321,7 @@ std::uint16_t Ad7147::complete_status(std::uint64_t now_us) {
     if (last.at_us != kNever && last.at_us > status_read_us_) status |= 1 << s;
   }
   status_read_us_ = now_us;
+  if (behaviour_.status_needs_enable) status &= setup_[kStageCompleteEnable];
   return static_cast<std::uint16_t>(status);
 }
 

@@ -79,7 +79,7 @@ void read_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
   design::require_version(v, kVersion);
   only_scene_keys(v, {"format", "version", "design", "robot", "hardware", "border_joints", "seed", "contacts",
-                      "controllers", "pressure", "faults", "effects", "expect"});
+                      "controllers", "converters", "pressure", "faults", "effects", "expect"});
   if (has(v, "design") == has(v, "robot")) v.fail("needs either \"design\" or \"robot\": the file that it simulates");
 }
 
@@ -117,6 +117,8 @@ Scene read_surroundings(const JsonValue& v) {
   read_hardware(v, scene);
   if (has(v, "pressure")) scene.pressure = read_pressure(v["pressure"]);
   if (has(v, "effects")) scene.effects = read_effects(v["effects"]);
+  scene.effects.converters.drawn = true;
+  if (has(v, "converters")) scene.effects.converters = read_converters(v["converters"]);
   return scene;
 }
 
@@ -278,6 +280,7 @@ Scene scene_of_design(const std::filesystem::path& path) {
   Scene scene;
   scene.design = design::read_design(path);
   scene.board_seed = scene.seed;
+  scene.effects.converters.drawn = true;
   return scene;
 }
 

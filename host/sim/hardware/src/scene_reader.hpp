@@ -45,6 +45,8 @@ void require_part_of_robot(const SceneNames& names, const design::JsonValue& v);
 [[nodiscard]] Contact read_contact(const SceneNames& names, const design::JsonValue& v);
 /// Reads the effects of effects.hpp from the keys of "effects".
 [[nodiscard]] PadEffects read_pad_effects(const design::JsonValue& v);
+/// Reads "converters": "drawn", "ideal", or an object with properties by their keys.
+[[nodiscard]] Converters read_converters(const design::JsonValue& v);
 [[nodiscard]] Fault read_fault(const SceneNames& names, const design::JsonValue& v);
 [[nodiscard]] Expectation read_expectation(const SceneNames& names, const design::JsonValue& v);
 

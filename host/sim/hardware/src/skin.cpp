@@ -18,8 +18,8 @@ namespace {
 // The value is beyond the converter's range, as with a pad shorted to the shield.
 constexpr double kSaturatedCounts = -1e6;
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
-// Whole steps of the converter's offset cancel this electrode exactly.
-constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;
+// Whole steps of an ideal converter's offset cancel this electrode exactly.
+constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.step_counts;
 // A separate stream keeps the electrodes' random numbers unchanged.
 constexpr std::uint64_t kSensitivityStream = 0x100, kHumidityStream = 0x200, kEmiStream = 0x300;
 
@@ -247,7 +247,9 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
   for (std::size_t m = 0; m < places.size(); ++m) {
     chips_.push_back(std::make_unique<Ad7147>(modules_[m]));
     Ad7147& chip = *chips_.back();
-    chip.set_behaviour(scene.effects.converter);
+    const std::uint64_t serial = mix(scene.seed ^ drawn_from(scene, layout::ModuleId{m}));
+    chip.set_behaviour(scene.effects.converters.of(serial));
+    if (scene.effects.converters.drawn) chip.set_noise(serial | 1);
     const bool never_there = places[m].size() == 1 && places[m][0].place.patch < 0;
     if (wiring[m].patch < 0 || never_there) continue;
     if (switched != nullptr && switched->present())

@@ -23,8 +23,8 @@ class CapacitanceSource {
   [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
 };
 
-/// The data sheet leaves this behaviour open, or the parts of a series differ in it (docs/silicon.md). The firmware
-/// must work with each combination.
+/// What the data sheet leaves open, or the parts of a series differ in; the default is the ideal chip. The firmware
+/// must work with any combination within the ranges of converters.hpp.
 struct Ad7147Behaviour {
   /// A write to PWR_CONTROL restarts the sequence. False: only CONV_RESET does, and a write that changes PWR_CONTROL
   /// leaves the sequence at an arbitrary stage.
@@ -33,15 +33,28 @@ struct Ad7147Behaviour {
   bool shifted_after_stop = false;
   /// All results change together at the end of the sequence. False: each changes at the end of its stage.
   bool latched_at_end = false;
-  /// One step of the offset DAC has this capacitance.
-  double afe_step_pf = 0.32;
+  /// The status has only the stages that STAGE_COMPLETE_INT_ENABLE (0x007) enables.
+  bool status_needs_enable = false;
+  double step_counts = 0.32 * kCountsPerPf;  ///< a step of the positive input's offset DAC at its beginning
+  double neg_step_ratio = 1.0;               ///< a step of the negative input's DAC as a share of it
+  /// The last step of the DAC is larger than the first by this share.
+  double step_bend = 0.0, neg_step_bend = 0.0;
+  double step_unevenness = 0.0;     ///< each code of a DAC is off by up to ± this share of a step
+  double zero_counts = 0.0;         ///< what every result has too much
+  double neg_extra_counts = 0.0;    ///< capacitance of the path from a pin to the negative input
+  double path_spread_counts = 0.0;  ///< that of each pin differs by up to ± this
+  double noise = 1.0;               ///< as a share of the data sheet's, if set_noise() switched it on
+  double wander_counts = 0.0;       ///< amplitude of slow noise, for which a wave of 4 s stands
+  double period_error = 0.0;        ///< the oscillator is slower by this share
+  double first_error_counts = 0.0;  ///< results of the first sequence after a restart are off by up to ± this
+  std::uint64_t serial = 0;         ///< what is drawn for each pin and code depends on it
 };
 
 /// The class models an AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian,
-/// address increment,
-/// 12 stages converted one after another. Not thread-safe. Modelled: power modes, stage count, decimation, software
-/// reset, restart of the sequence by CONV_RESET, input connections, AFE offsets, stage-complete status, device id, loss
-/// of the configuration in a power dip, outages. Not modelled: interrupts, environmental calibration.
+/// address increment, 12 stages converted one after another. Not thread-safe. Modelled: power modes, stage count,
+/// decimation, software reset, restart of the sequence by CONV_RESET, input connections, AFE offsets, stage-complete
+/// status, device id, loss of the configuration in a power dip, outages. Not modelled: interrupts, environmental
+/// calibration.
 class Ad7147 {
  public:
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
@@ -62,14 +75,13 @@ class Ad7147 {
   /// Makes the chip report the device id `device_id` from `at_us` until `until_us`, exclusive, as another chip would.
   void show_device_id(std::uint16_t device_id, std::uint64_t at_us, std::uint64_t until_us);
 
-  /// Sets the error of the oscillator in ppm, −40,000..40,000 by the data sheet; positive means slow. It is 0 at
-  /// first.
-  void set_clock_error(int ppm) { clock_ppm_ = ppm; }
+  /// Sets the error of the oscillator in ppm; positive means slow.
+  void set_clock_error(int ppm) { behaviour_.period_error = ppm * 1e-6; }
   /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
   /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
-  /// Selects a behaviour that the data sheet leaves open. Call it before the chip is used.
-  void set_behaviour(const Ad7147Behaviour& behaviour) { behaviour_ = behaviour; }
+  /// Makes it another chip of the series. Call it before the chip is used.
+  void set_behaviour(const Ad7147Behaviour& behaviour);
 
   // The following functions are what an I²C target sees between start and stop. `now_us` is virtual time and never
   // decreases.
@@ -95,6 +107,8 @@ class Ad7147 {
   [[nodiscard]] std::uint64_t sequence_us() const;
 
  private:
+  using Dac = std::array<double, 64>;
+  static Dac ideal_dac();
   static constexpr std::size_t kSetupRegisters = 8;   // These registers are 0x000 … 0x007.
   static constexpr std::size_t kStageRegisters = 96;  // These registers are 0x080 … 0x0DF.
 
@@ -129,6 +143,9 @@ class Ad7147 {
   /// Returns the conversion whose result the registers show.
   [[nodiscard]] Conversion shown_conversion(int stage, std::uint64_t now_us) const;
   [[nodiscard]] double afe_counts(std::uint16_t afe) const;
+  [[nodiscard]] double spread(std::uint64_t of) const;
+  [[nodiscard]] double path_counts(int pin, bool negative) const;
+  [[nodiscard]] double wander(int stage, std::uint64_t at_us) const;
   [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
   [[nodiscard]] double noise(int stage, std::uint64_t number) const;
   [[nodiscard]] std::uint16_t result(int place, std::uint64_t now_us) const;
@@ -143,8 +160,8 @@ class Ad7147 {
   std::array<std::uint64_t, kStages> changed_us_{};  // The setup of each stage last changed at this time.
   bool shifted_ = false;
   Ad7147Behaviour behaviour_;
-  int clock_ppm_ = 0;
-  std::uint64_t noise_seed_ = 0;  // Zero disables the noise.
+  Dac positive_dac_ = ideal_dac(), negative_dac_ = ideal_dac();  // counts of each code
+  std::uint64_t noise_seed_ = 0;                                 // Zero disables the noise.
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
   std::vector<PowerDips> dips_;

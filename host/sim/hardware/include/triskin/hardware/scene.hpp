@@ -13,8 +13,8 @@
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/layout/index.hpp"
-#include "triskin/hardware/ad7147.hpp"
 #include "triskin/hardware/contact.hpp"
+#include "triskin/hardware/converters.hpp"
 #include "triskin/hardware/effects.hpp"
 #include "triskin/hardware/expectation.hpp"
 #include "triskin/wire/unique_id.hpp"
@@ -117,7 +117,7 @@ struct Effects {
   double sensitivity_spread = 0.0;
   double electrode_least_pf = 2.0;      ///< It is the smallest capacitance of an electrode; each taxel has its own.
   double electrode_most_pf = 18.0;      ///< It is the largest capacitance of an electrode.
-  Ad7147Behaviour converter;            ///< It is the behaviour of every chip and does not occur in scene files.
+  Converters converters{};              ///< Scene files have it beside "effects".
   std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
   std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
   double chain_bit_error_rate = 0.0;    ///< It is the probability that a bit on the route chain flips in one module.
