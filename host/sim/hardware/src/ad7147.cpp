@@ -280,17 +280,19 @@ double Ad7147::wander(int stage, std::uint64_t at_us) const {
 std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
   const std::uint16_t* setup = &stage_[static_cast<std::size_t>(stage * kRegistersPerStage)];
   double value = kMidScale;
-  bool connected = false;
+  bool connected = false, stuck = false;
   for (int pin = 0; pin < kPins; ++pin) {
     const int to = connection(setup, pin);
     if (to != 1 && to != 2) continue;
     connected = true;
+    stuck = stuck || source_->is_stuck(pin, conversion.at_us);
     value += (to == 1 ? -1.0 : 1.0) * (source_->counts(pin, conversion.at_us) + path_counts(pin, to == 1));
   }
   if (!connected) return kMidScale;
-  value += behaviour_.zero_counts + afe_counts(setup[2]) + noise(stage, conversion.number);
-  if (behaviour_.wander_counts != 0.0) value += wander(stage, conversion.at_us);
-  if (behaviour_.first_error_counts != 0.0 && conversion.number == 0)
+  value += behaviour_.zero_counts + afe_counts(setup[2]);
+  if (!stuck) value += noise(stage, conversion.number);
+  if (behaviour_.wander_counts != 0.0 && !stuck) value += wander(stage, conversion.at_us);
+  if (behaviour_.first_error_counts != 0.0 && conversion.number == 0 && !stuck)
     value +=
         behaviour_.first_error_counts * spread(kFirstStream + restart_us_ * kStages + static_cast<unsigned>(stage));
   return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 0xFFFFL));

@@ -114,6 +114,12 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   return value;
 }
 
+bool ModuleSkin::is_stuck(int cin, std::uint64_t at_us) const {
+  return std::ranges::any_of(broken_, [&](const BrokenTaxel& b) {
+    return b.taxel == static_cast<std::size_t>(cin) && at_us >= b.from_us && at_us < b.until_us;
+  });
+}
+
 double ModuleSkin::pressure_counts(std::size_t taxel, std::uint64_t at_us) const {
   if (!layout::measures_pressure(taxel)) return 0.0;
   double kpa = pressure_.kpa(at_us);

@@ -21,6 +21,8 @@ class CapacitanceSource {
   /// Returns the capacitance at pin `cin` (0..12) and virtual time `at_us`, in converter counts (8 pF / 32768) above
   /// the converter's reference. A larger capacitance, that is more pressure, gives a larger number.
   [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
+  /// Returns true if the result of this pin is stuck, so that not even the converter's noise shows.
+  [[nodiscard]] virtual bool is_stuck(int /*cin*/, std::uint64_t /*at_us*/) const { return false; }
 };
 
 /// What the data sheet leaves open, or the parts of a series differ in; the default is the ideal chip. The firmware

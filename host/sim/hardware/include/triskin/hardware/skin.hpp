@@ -42,6 +42,7 @@ class ModuleSkin final : public CapacitanceSource {
   /// Makes module `module` (id in the design), turned by `rotation` 0..2. It copies what it needs from the scene.
   ModuleSkin(const Scene& scene, layout::ModuleId module, int rotation);
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
+  [[nodiscard]] bool is_stuck(int cin, std::uint64_t at_us) const override;
   /// Returns the capacitance of taxel 0..11 in counts, without touch, drift and noise.
   [[nodiscard]] double rest_counts(layout::TaxelIndex taxel) const {
     return rest_counts_[static_cast<std::size_t>(taxel)];
