@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "triskin/core/bytes.hpp"
-#include "triskin/layout/patch_image.hpp"
 #include "triskin/hardware/converters.hpp"
 #include "triskin/hardware/flash_memory.hpp"
 #include "triskin/hardware/i2c_line.hpp"
+#include "triskin/layout/patch_image.hpp"
 #include "triskin/sim/virtual_controller.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/module_state.hpp"
@@ -206,16 +206,15 @@ class CampaignPatch {
       while (const auto f = link.transmit(now_us_)) controller_->receive(*f);
       now_us_ += 200;
       controller_->run_until(now_us_);
-      for (; !arrived_.empty(); arrived_.pop_front()) {
-        if (arrived_.front().id != link.rx_id() ||
-            link.receive(arrived_.front(), now_us_) != wire::IsoTp::Event::kReceived)
-          continue;
+      while (!arrived_.empty()) {
+        const wire::CanFrame frame = arrived_.front();
+        arrived_.pop_front();
+        if (frame.id != link.rx_id() || link.receive(frame, now_us_) != wire::IsoTp::Event::kReceived) continue;
         const Bytes m = link.message();
-        std::fprintf(stderr,"%02x %02x -> %02x %02x %02x\n",request[0],request[1],m[0],m[1],m.size()>2?m[2]:0);
         return {m.begin(), m.end()};
       }
     }
-    std::fprintf(stderr,"no answer %02x %02x\n",request[0],request[1]);return {};
+    return {};
   }
 
   wire::ModuleStates ask_states() {

@@ -71,6 +71,21 @@ TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   EXPECT_DOUBLE_EQ(s.effects.electrode_most_pf, 6.5);
 }
 
+TEST_F(SceneFile, converters_are_drawn_unless_the_scene_says_otherwise) {
+  const auto chip = [&](const std::string& more, std::uint64_t serial) {
+    return with(more).effects.converters.of(serial);
+  };
+  EXPECT_TRUE(read_scene(folder_ / "d.json").effects.converters.drawn);
+  EXPECT_NE(chip(R"("seed":1)", 1).zero_counts, chip(R"("seed":1)", 2).zero_counts);
+  EXPECT_EQ(chip(R"("converters":"ideal")", 1).zero_counts, 0.0);
+  const char* some = R"("converters":{"neg_step_ratio":0.99,"zero_counts":-20,"latched_at_end":true})";
+  EXPECT_EQ(chip(some, 1).neg_step_ratio, 0.99);
+  EXPECT_EQ(chip(some, 2).zero_counts, -20.0);
+  EXPECT_TRUE(chip(some, 3).latched_at_end);
+  EXPECT_NE(chip(some, 1).step_counts, chip(some, 2).step_counts);
+  EXPECT_EQ(chip(R"("converters":{"zero_counts":-20,"others":"ideal"})", 1).step_counts, 0.32 * kCountsPerPf);
+}
+
 TEST_F(SceneFile, a_removed_chip_may_come_and_go) {
   const Scene s = with(R"("faults":[{"kind":"removed_chip","module":1},
     {"kind":"removed_chip","module":2,"at_s":1,"until_s":1.5}])");

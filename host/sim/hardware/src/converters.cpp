@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/hardware/converters.hpp"
 
-#include <algorithm>
-
-#include "scene_reader.hpp"
-
 namespace triskin::hardware {
 namespace {
 
@@ -35,32 +31,6 @@ Ad7147Behaviour Converters::of(std::uint64_t serial) const {
   }
   for (const Given& g : given) set(chip, *g.property, g.value);
   return chip;
-}
-
-Converters read_converters(const design::JsonValue& v) {
-  Converters converters;
-  converters.drawn = true;
-  if (v.raw().is_string()) {
-    if (v.text() != "ideal" && v.text() != "drawn") v.fail("must be \"drawn\", \"ideal\" or an object with properties");
-    converters.drawn = v.text() == "drawn";
-    return converters;
-  }
-  if (!v.raw().is_object()) v.fail("must be \"drawn\", \"ideal\" or an object with properties");
-  for (const auto& [key, value] : v.raw().items()) {
-    const design::JsonValue item = v[key.c_str()];
-    if (key == "others") {
-      if (item.text() != "ideal" && item.text() != "drawn") item.fail("must be \"drawn\" or \"ideal\"");
-      converters.drawn = item.text() == "drawn";
-      continue;
-    }
-    const auto found = std::ranges::find(kConverterProperties, key, &ConverterProperty::key);
-    if (found == kConverterProperties.end())
-      item.fail("is no property of a converter; docs/scene.md lists them under \"converters\"");
-    converters.given.push_back({&*found, found->flag != nullptr
-                                             ? (item.boolean() ? 1.0 : 0.0)
-                                             : design::number_in(item, found->lowest, found->highest)});
-  }
-  return converters;
 }
 
 }  // namespace triskin::hardware

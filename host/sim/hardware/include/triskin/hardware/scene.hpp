@@ -116,7 +116,8 @@ struct Effects {
   /// The gains of the taxels lie within ± this fraction of kCountsPerKpa (< 1).
   double sensitivity_spread = 0.0;
   double electrode_least_pf = 2.0;      ///< It is the smallest capacitance of an electrode; each taxel has its own.
-  double electrode_most_pf = 18.0;      ///< It is the largest capacitance of an electrode.
+  /// It is the largest capacitance of an electrode; a converter with the smallest offset steps reaches 16.5 pF.
+  double electrode_most_pf = 16.0;
   Converters converters{};              ///< Scene files have it beside "effects".
   std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
   std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
