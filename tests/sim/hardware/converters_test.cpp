@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "scene_case.hpp"
+#include "converter_properties.hpp"
 
 namespace triskin::hardware {
 namespace {

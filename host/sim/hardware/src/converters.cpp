@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/hardware/converters.hpp"
 
+#include "converter_properties.hpp"
+
 namespace triskin::hardware {
 namespace {
 

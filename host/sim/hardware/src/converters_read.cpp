@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 
+#include "converter_properties.hpp"
 #include "scene_reader.hpp"
 
 namespace triskin::hardware {
