@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <random>
 #include <string>
@@ -169,6 +171,76 @@ TEST(ClockFilter, learns_an_internal_oscillator) {
 TEST(ClockFilter, counters_of_32_bit_may_pass_their_end) {
   Way run({.ppm = -100.0, .shown_us = 4294.967296e6 - 5e6}, 11);
   run.play(3.0, 20.0, holds(13.0, kAllowed_us));
+}
+
+// The host's clock, as a time service slews it: its rate changes every ten to forty seconds.
+class SlewedClock {
+ public:
+  SlewedClock(double step_ppm, unsigned seed) : step_ppm_(step_ppm), random_(seed) {}
+  // `true_us` must not decrease.
+  double read(double true_us) {
+    while (true_us >= next_us_) {
+      shown_us_ += (next_us_ - since_us_) * (1.0 + rate_ppm_ * 1e-6);
+      since_us_ = next_us_;
+      rate_ppm_ = std::uniform_int_distribution<int>(-1, 1)(random_) * step_ppm_;
+      next_us_ += std::uniform_real_distribution<double>(10e6, 40e6)(random_);
+    }
+    return shown_us_ + (true_us - since_us_) * (1.0 + rate_ppm_ * 1e-6);
+  }
+
+ private:
+  double step_ppm_, rate_ppm_ = 0.0, shown_us_ = 0.0, since_us_ = 0.0, next_us_ = 30e6;
+  std::mt19937 random_;
+};
+
+// Ten million samples with TRISKIN_SAMPLES=10000000. A bound that says "unknown" claims nothing, so those are counted.
+TEST(ClockFilter, holds_its_bound_while_a_time_service_slews_the_hosts_clock) {
+  const char* text = std::getenv("TRISKIN_SAMPLES");
+  const std::uint64_t samples = text != nullptr ? std::strtoull(text, nullptr, 10) : 600'000;
+  for (const double step_ppm : {50.0, 150.0, 500.0}) {
+    for (const double controller_ppm : {-100.0, 100.0}) {
+      SlewedClock host(step_ppm, 17);
+      Modelled model{.ppm = controller_ppm, .powered_us = 0.0};
+      std::mt19937 random(18);
+      std::uniform_real_distribution<double> delay_us(100.0, 1'100.0);
+      ClockFilter filter;
+      std::uint64_t outside = 0, unknown = 0;
+      double worst_us = 0.0, mean_bound_us = 0.0, next_answer_us = 0.0, sent_us = 0.0;
+      for (std::uint64_t k = 0; k < samples / 6; ++k) {
+        const double t = 3e6 + static_cast<double>(k) * kSecond_us / 864.0;
+        // The frames of one controller keep their order, and each takes 0.1 to 1.1 ms.
+        sent_us = std::max(sent_us, t);
+        if (t >= next_answer_us) {
+          const double asked = host.read(sent_us), made_us = sent_us + delay_us(random);
+          sent_us = made_us + delay_us(random);
+          filter.exchanged(whole(asked), model.device_us(made_us), whole(host.read(sent_us)));
+          next_answer_us = t + kSecond_us;
+          continue;
+        }
+        const double true_us = host.read(sent_us);
+        const std::uint64_t stamp = model.device_us(sent_us);
+        sent_us += delay_us(random);
+        const auto heard = whole(host.read(sent_us));
+        filter.arrived(stamp, heard);
+        const LinkTime time = filter.at(stamp, heard);
+        const double error = std::abs(static_cast<double>(time.link_us) - true_us);
+        if (time.error_us == LinkTime::kUnbounded) {
+          ++unknown;
+          continue;
+        }
+        outside += error > time.error_us + 1.0 ? 1 : 0;
+        worst_us = std::max(worst_us, error);
+        mean_bound_us += time.error_us / static_cast<double>(samples / 6);
+      }
+      EXPECT_EQ(outside, 0U) << step_ppm << " ppm";
+      EXPECT_LT(unknown, samples / 6 / 1000) << step_ppm << " ppm";
+      std::printf(
+          "steps of %.0f ppm, controller %+.0f ppm, seeds 17, 18: %llu samples, %llu outside, %llu unknown; worst "
+          "error %.0f us, mean bound %.0f us\n",
+          step_ppm, controller_ppm, static_cast<unsigned long long>(samples / 6),
+          static_cast<unsigned long long>(outside), static_cast<unsigned long long>(unknown), worst_us, mean_bound_us);
+    }
+  }
 }
 
 }  // namespace

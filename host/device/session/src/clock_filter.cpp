@@ -9,11 +9,13 @@ namespace triskin::session {
 namespace {
 
 constexpr double kWindow_s = 20.0, kBucket_s = 0.25;
-constexpr double kBack_s = 0.5;           // Frames of one controller overtake each other by less than this.
-constexpr double kResolution_us = 1.0;    // Both clocks are read in whole µs.
-constexpr double kFar_us = 1e9;           // The large value (1,000 s) stands for "no answer has bounded it".
-constexpr double kInternal_ppm = 20'000;  // A microcontroller without quartz has this tolerance.
-constexpr double kWanderShare_per_s = 5e-4;
+constexpr double kBack_s = 0.5;            // Frames of one controller overtake each other by less than this.
+constexpr double kResolution_us = 1.0;     // Both clocks are read in whole µs.
+constexpr double kFar_us = 1e9;            // The large value (1,000 s) stands for "no answer has bounded it".
+constexpr double kInternal_ppm = 20'000;   // A microcontroller without quartz has this tolerance.
+constexpr double kWander_ppm_per_s = 0.1;  // between two changes of a rate
+constexpr double kHostSlew_ppm =
+    500.0;  // A time service slews the host's clock by at most this (adjtimex(2), MAXFREQ).
 constexpr int kPatience = 2;
 constexpr double kSecond_us = 1e6;
 
@@ -24,7 +26,7 @@ double since(std::uint64_t origin_us, std::uint64_t us) {
 }  // namespace
 
 double ClockFilter::wander_us(double seconds) const {
-  return 0.5 * max_drift_ppm_ * kWanderShare_per_s * seconds * seconds;
+  return 0.5 * kWander_ppm_per_s * seconds * seconds;
 }
 
 ClockFilter::Fact ClockFilter::fact(std::uint64_t device_us, double link_us) const {
@@ -96,7 +98,7 @@ void ClockFilter::rebuild() {
 void ClockFilter::build(double since_s) {
   reference_s_ = newest_s_;
   const double middle = before_.empty() ? after_.back().difference_us : before_.back().difference_us;
-  const double low = middle - kFar_us, high = middle + kFar_us, d = max_drift_ppm_;
+  const double low = middle - kFar_us, high = middle + kFar_us, d = max_drift_ppm_ + kHostSlew_ppm;
   polygon_ = {{low, -d}, {high, -d}, {high, d}, {low, d}};
   for (const auto& [facts, sign] : {std::pair{&before_, 1.0}, std::pair{&after_, -1.0}}) {
     for (const Fact& f : *facts) {
@@ -132,7 +134,7 @@ void ClockFilter::choose() {
   const auto height = [middle_s](const Line& l) { return l.offset_us + l.drift_ppm * middle_s; };
   double top = -std::numeric_limits<double>::infinity();
   for (const Line& l : polygon_) top = std::max(top, height(l));
-  double least = max_drift_ppm_, most = -max_drift_ppm_;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Line& l : polygon_) {
     if (height(l) < top - kResolution_us) continue;
     least = std::min(least, l.drift_ppm);
@@ -146,7 +148,9 @@ void ClockFilter::choose() {
 // different one.
 void ClockFilter::contradicted() {
   ++restarts_;
-  if (++contradictions_ > kPatience) max_drift_ppm_ = kInternal_ppm;
+  // A step of the host's rate contradicts the lines. Only what contradicts the certain bounds as well is another clock.
+  if (const Range r = certain(newest_s_); r.min_us > r.max_us && ++contradictions_ > kPatience)
+    max_drift_ppm_ = kInternal_ppm;
   for (double span_s = kWindow_s / 2; span_s > 0.0; span_s = span_s > kBucket_s ? span_s / 2 : 0.0) {
     const double since_s = newest_s_ - span_s;
     build(since_s);
@@ -171,6 +175,18 @@ ClockFilter::Range ClockFilter::range(double device_s) const {
   return r;
 }
 
+// Each fact holds at any other time, less what the clocks may have moved apart since, whatever their rates did.
+ClockFilter::Range ClockFilter::certain(double device_s) const {
+  const double rate_ppm = max_drift_ppm_ + kHostSlew_ppm;
+  Range r{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (const Fact& f : before_)
+    r.max_us = std::min(r.max_us, f.difference_us + rate_ppm * std::abs(device_s - f.device_s));
+  for (const Fact& f : after_)
+    r.min_us = std::max(r.min_us, f.difference_us - rate_ppm * std::abs(device_s - f.device_s));
+  r.max_us += kResolution_us;
+  return r;
+}
+
 LinkTime ClockFilter::at(std::uint64_t device_us) const {
   return at(device_us, std::numeric_limits<std::uint64_t>::max());
 }
@@ -178,17 +194,16 @@ LinkTime ClockFilter::at(std::uint64_t device_us) const {
 LinkTime ClockFilter::at(std::uint64_t device_us, std::uint64_t link_us) const {
   if (!started_) return {link_us == std::numeric_limits<std::uint64_t>::max() ? 0 : link_us, LinkTime::kUnbounded};
   const double device = since(device_origin_us_, device_us), at_s = device / kSecond_us;
-  const double wander = wander_us(std::max(0.0, at_s - reference_s_));
-  Range r = range(at_s);
+  Range r = certain(at_s);
+  if (link_us != std::numeric_limits<std::uint64_t>::max())
+    r.max_us = std::min(r.max_us, since(link_origin_us_, link_us) - device);
+  const bool possible = r.min_us <= r.max_us + kResolution_us;
   double best = best_.offset_us + best_.drift_ppm * (at_s - reference_s_);
-  if (link_us != std::numeric_limits<std::uint64_t>::max()) {
-    r.max_us = std::min(r.max_us + wander, since(link_origin_us_, link_us) - device);
-    best = std::min(best, r.max_us);
-  }
-  const double error = std::max(r.max_us - best, best - r.min_us) + wander + kResolution_us;
+  best = possible ? std::min(std::max(best, r.min_us), r.max_us) : r.max_us;
+  const double error = std::max(r.max_us - best, best - r.min_us) + kResolution_us;
   const double link = std::max(0.0, static_cast<double>(link_origin_us_) + device + best);
   const auto us = static_cast<std::uint64_t>(std::llround(link));
-  if (!bounded() || error >= static_cast<double>(LinkTime::kUnbounded)) return {us, LinkTime::kUnbounded};
+  if (!bounded() || !possible || error >= static_cast<double>(LinkTime::kUnbounded)) return {us, LinkTime::kUnbounded};
   return {us, static_cast<std::uint32_t>(std::ceil(error))};
 }
 

@@ -20,12 +20,15 @@ struct LinkTime {
 /// assumption about transmission is that nothing arrives before it was sent:
 /// - a frame that arrived at `link_us` was made before that;
 /// - an answer of a controller was made after the request was sent.
-/// All straight lines (offset, drift) that agree with the facts of the last 20 s form a polygon, which bounds the
-/// error. The best estimate among them is the latest line: no transmission is faster than its shortest time, and among
-/// many frames some come that fast. A delay that all frames share is invisible, so the bound includes it: the answer to
-/// a request limits it, and without an answer the error has no bound. Clocks are assumed to change by at most 0.1
-/// ppm/s; with quartz they are within 200 ppm, and a controller that contradicts this is treated as running on its
-/// internal oscillator (20,000 ppm). Memory: 4 kB. Cost: constant per sample, some 10 µs four times a second. Threads:
+/// The bound follows from these facts alone: each holds at any other time, less what the two clocks can have moved
+/// apart since. With quartz they are within 200 ppm, and a time service may slew the host's clock by 500 ppm more, at
+/// any moment, so an answer that is a second old bounds the time to within 0.7 ms of its own bound. The estimate
+/// assumes more: all straight lines (offset, drift) that agree with the facts of the last 20 s form a polygon, and the
+/// best of them is the latest line, since no transmission is faster than its shortest time, and among many frames some
+/// come that fast. After a step of the rate the estimate is worse for some seconds; the bound holds. A delay that all
+/// frames share is invisible, so the bound includes it: the answer to a request limits it, and without an answer the
+/// error has no bound. A controller that contradicts these bounds three times is treated as running on its
+/// internal oscillator (20,000 ppm). Memory: 4 kB. Cost: 0.1 µs per sample, some 10 µs four times a second. Threads:
 /// one.
 class ClockFilter {
  public:
@@ -37,7 +40,7 @@ class ClockFilter {
   void exchanged(std::uint64_t sent_us, std::uint64_t device_us, std::uint64_t received_us);
 
   /// Returns the time of the link at `device_us` of the controller; estimates are best within the last 20 s. The error
-  /// is unbounded while nothing is known.
+  /// is unbounded while nothing is known, and when the facts exclude each other.
   [[nodiscard]] LinkTime at(std::uint64_t device_us) const;
   /// Works like at(), for an event whose frame arrived at `link_us`; the result is never later than that.
   [[nodiscard]] LinkTime at(std::uint64_t device_us, std::uint64_t link_us) const;
@@ -72,9 +75,10 @@ class ClockFilter {
   void choose();
   void contradicted();
   [[nodiscard]] Range range(double device_s) const;
+  [[nodiscard]] Range certain(double device_s) const;
   [[nodiscard]] double wander_us(double seconds) const;
 
-  double max_drift_ppm_ = 200.0;
+  double max_drift_ppm_ = 200.0;  // of the controller's clock
   bool started_ = false;
   std::uint64_t device_origin_us_ = 0, link_origin_us_ = 0;
   double newest_s_ = 0.0, reference_s_ = 0.0, bucket_s_ = 0.0;
