@@ -12,9 +12,24 @@ constexpr std::uint64_t kMaxWait_us = 500'000;
 // A point cloud waits this long for modules that were not heard yet; a module normally sends every 37 ms.
 constexpr std::uint64_t kMaxUnheard_us = 1'000'000;
 
-mcap::TextMap qos() {
-  return {{"offered_qos_profiles", ""}};
-}
+// What is written once has to reach those who subscribe later: players offer a topic as its channel says, and a
+// listener of /tf_static takes no other offer. The numbers are those of rmw/types.h (keep last, reliable, transient
+// local, no deadline), in the YAML of rosbag2_storage/qos.cpp.
+constexpr const char* kLatched = R"(- history: 1
+  depth: 1
+  reliability: 1
+  durability: 1
+  deadline:
+    sec: 9223372036
+    nsec: 854775807
+  lifespan:
+    sec: 9223372036
+    nsec: 854775807
+  liveliness: 1
+  liveliness_lease_duration:
+    sec: 9223372036
+    nsec: 854775807
+  avoid_ros_namespace_conventions: false)";
 
 }  // namespace
 
@@ -35,11 +50,11 @@ std::uint64_t McapRecorder::unix_ns(std::uint64_t link_time_us) const {
 
 void McapRecorder::begin(const design::Design& design) {
   const std::string base = origin_.part.empty() ? "/skin/" : "/skin/" + origin_.part + "/";
-  const auto channel = [&](const MessageType& type, const std::string& topic) {
-    return writer_.add_channel(writer_.add_schema(type.name, type.definition), topic, qos());
+  const auto channel = [&](const MessageType& type, const std::string& topic, const char* qos = "") {
+    return writer_.add_channel(writer_.add_schema(type.name, type.definition), topic, {{"offered_qos_profiles", qos}});
   };
   raw_ = channel(kRawFrameType, base + "raw");
-  layout_ = channel(kLayoutType, base + "layout");
+  layout_ = channel(kLayoutType, base + "layout", kLatched);
   contacts_ = channel(kContactsType, base + "contacts");
   readers_channel_ = channel(kReadersType, base + "readers");
   if (origin_.cloud_period_us > 0) {
@@ -65,7 +80,7 @@ void McapRecorder::begin(const design::Design& design) {
                   !origin_.calibration_text.empty() ? "N, by the calibration in calibration.json" : "counts");
   writer_.describe({"triskin", facts});
   if (!origin_.parent_frame.empty())
-    writer_.write(channel(kTransformsType, "/tf_static"), start_ns,
+    writer_.write(channel(kTransformsType, "/tf_static", kLatched), start_ns,
                   encode_transform(origin_.parent_frame, frame_, origin_.pose, start_ns));
   writer_.write(layout_, start_ns, encode_layout(design, start_ns, frame_));
   put_readers(origin_.link_start_us);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <set>
 
 #include "record_walk.hpp"
+#include "salvage.hpp"
 #include "triskin/recording/mcap_file.hpp"
 
 namespace triskin::recording::mcap {
@@ -65,9 +67,42 @@ IndexHead index_head(const ByteSource& source, const Place& place) {
 void add_chunk(const ByteSource& source, const Place& place, Contents& all) {
   ChunkHead head;
   if (!decode(contents_of(source, place, kChunkHeadMost), head)) return;
-  all.start_ns = all.chunks == 0 ? head.start_ns : std::min(all.start_ns, head.start_ns);
+  all.start_ns = all.chunks == 0 && all.messages == 0 ? head.start_ns : std::min(all.start_ns, head.start_ns);
   all.end_ns = std::max(all.end_ns, head.end_ns);
   ++all.chunks;
+}
+
+std::uint16_t number_of(const Buffer& definition) {
+  return ByteReader(definition.view()).le16();
+}
+
+// Adds the schemas and channels that other writers put into their chunks.
+void add_definitions_in_chunks(const ByteSource& source, Contents& all) {
+  std::set<std::uint16_t> schemas, channels;
+  for (const Buffer& b : all.schemas) schemas.insert(number_of(b));
+  for (const Buffer& b : all.channels) channels.insert(number_of(b));
+  for (auto p = place_at(source, kMagic.size()); p; p = place_at(source, p->end())) {
+    ChunkHead head;
+    if (p->kind != Kind::kChunk) continue;
+    const auto chunk = contents_of(source, *p);
+    if (!decode(chunk, head) || !head.compression.empty()) continue;
+    each_record(Bytes(chunk).subspan(head_bytes(head)), [&](Kind kind, Bytes contents) {
+      Buffer definition;
+      definition.bytes(contents);
+      if (kind == Kind::kSchema && schemas.insert(number_of(definition)).second) all.schemas.push_back(definition);
+      if (kind == Kind::kChannel && channels.insert(number_of(definition)).second) all.channels.push_back(definition);
+      return true;
+    });
+  }
+}
+
+void add_message(const ByteSource& source, const Place& place, Contents& all) {
+  Message m;
+  if (!decode(contents_of(source, place), m)) return;
+  const bool first = all.messages++ == 0 && all.chunks == 0;
+  all.start_ns = first ? m.log_ns : std::min(all.start_ns, m.log_ns);
+  all.end_ns = std::max(all.end_ns, m.log_ns);
+  ++all.counts[m.channel];
 }
 
 Contents survey(const ByteSource& source) {
@@ -78,11 +113,16 @@ Contents survey(const ByteSource& source) {
     if (p->kind == Kind::kAttachment) all.attachments.push_back(attachment_index(source, *p));
     if (p->kind == Kind::kMetadata) all.metadata.push_back(metadata_index(source, *p));
     if (p->kind == Kind::kChunk) add_chunk(source, *p, all);
+    if (p->kind == Kind::kMessage) add_message(source, *p, all);  // Chunks are optional.
     if (p->kind != Kind::kMessageIndex) continue;
     const IndexHead index = index_head(source, *p);
     all.counts[index.channel] += index.entries;
     all.messages += index.entries;
   }
+  const auto is_defined = [&](const auto& count) {
+    return std::ranges::any_of(all.channels, [&](const Buffer& b) { return number_of(b) == count.first; });
+  };
+  if (!std::ranges::all_of(all.counts, is_defined)) add_definitions_in_chunks(source, all);
   return all;
 }
 

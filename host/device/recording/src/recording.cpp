@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace triskin::recording {
 namespace {
@@ -16,7 +17,7 @@ class Samples final : public mcap::Visitor {
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
     if (schemas_[channel.schema] == kRawFrameType.name) {
-      if (raw_ != 0 && raw_ != channel.id) throw_several_covers();
+      if (raw_ && *raw_ != channel.id) throw_several_covers();
       raw_ = channel.id;
     }
     if (schemas_[channel.schema] == kReadersType.name) readers_channel_ = channel.id;
@@ -31,8 +32,8 @@ class Samples final : public mcap::Visitor {
     if (metadata.name == "triskin_result") summary_.result = metadata.entries;
   }
   void on_message(const mcap::Message& message) override {
-    if (message.channel != 0 && message.channel == raw_) take_samples(message);
-    if (message.channel != 0 && message.channel == readers_channel_) take_readers(message);
+    if (message.channel == raw_) take_samples(message);
+    if (message.channel == readers_channel_) take_readers(message);
   }
 
  private:
@@ -52,7 +53,8 @@ class Samples final : public mcap::Visitor {
     for (ModuleSample& s : *samples) {
       const auto m = static_cast<std::size_t>(s.module);
       if (m < readers_.size() && readers_[m] != own_[m]) s.adopter = readers_[m].patch;
-      if (summary_.samples++ == 0) summary_.first_us = s.link_time_us;
+      // Messages may stand in any order.
+      summary_.first_us = summary_.samples++ == 0 ? s.link_time_us : std::min(summary_.first_us, s.link_time_us);
       summary_.last_us = std::max(summary_.last_us, s.link_time_us);
       if (handler_) handler_(s);
     }
@@ -74,7 +76,7 @@ class Samples final : public mcap::Visitor {
   const std::string& name_;
   const std::function<void(const ModuleSample&)>& handler_;
   std::map<std::uint16_t, std::string> schemas_;
-  std::uint16_t raw_ = 0, readers_channel_ = 0;
+  std::optional<std::uint16_t> raw_, readers_channel_;  // Any number may be that of a channel, 0 too.
   // Entries are indexed by module; they are empty if the recording does not name the readers.
   std::vector<Reader> own_, readers_;
 };

@@ -70,6 +70,8 @@ struct Block {
 };
 
 Handle create(recording::OutputFile& file) {
+  // At the program's end the library would once more write what a full disk has refused, and fall.
+  (void)H5dont_atexit();
   if (!file.can_read())
     throw InputError(file.name() +
                      ": HDF5 writes at any place of a file, which this does not allow; record to mcap or csv");
