@@ -162,11 +162,9 @@ void ImageReceiver::check_next_piece() {
 
 // The host's description of the image must agree with the image's label.
 Status ImageReceiver::check_label() const {
+  const Status s = slots_.check(free_slot(), offer_.size_bytes, self_.firmware_version, offer_.may_be_older);
+  if (s != Status::kOk) return s;
   const auto label = layout::decode_label(slots_.bytes(free_slot()).first(offer_.size_bytes));
-  if (!label) return label.error();
-  if (label->hardware != wire::kPartNumber || label->origin != slots_.origin(free_slot()) ||
-      !slots_.vectors_fit(free_slot(), offer_.size_bytes))
-    return Status::kWrongTarget;
   return label->firmware_version == offer_.firmware_version ? Status::kOk : Status::kBadVersion;
 }
 

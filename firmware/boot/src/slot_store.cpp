@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "triskin/boot/slot_store.hpp"
 
-#include "triskin/layout/firmware_package.hpp"
+#include "triskin/layout/image_check.hpp"
+#include "triskin/wire/identity.hpp"
 
 namespace triskin::boot {
 namespace {
@@ -9,14 +10,11 @@ namespace {
 constexpr std::size_t kUnitBytes = 8;
 constexpr std::size_t kStartUnit = 2, kConfirmUnit = kStartUnit + kMaxStarts, kConfirmUnits = 3;
 constexpr std::uint32_t kSmallest = 512;
-constexpr std::uint32_t kRamBase = 0x20000000, kRamEnd = 0x20020000;
 
 }  // namespace
 
 bool SlotStore::vectors_fit(int slot, std::uint32_t size_bytes) const {
-  const std::uint32_t origin = origins_[static_cast<std::size_t>(slot)], stack = word(slot, 0),
-                      entry = word(slot, 4) & ~1U;
-  return stack > kRamBase && stack <= kRamEnd && entry > origin && entry < origin + size_bytes;
+  return layout::vectors_fit(word(slot, 0), word(slot, 4), origin(slot), size_bytes);
 }
 
 bool SlotStore::marked(int slot, std::size_t first, std::size_t count) const {
@@ -93,9 +91,15 @@ Status SlotStore::program(int slot, std::uint32_t offset, Bytes unit) {
   return area(slot).program(offset, unit) ? Status::kOk : Status::kFlashFailed;
 }
 
+Status SlotStore::check(int slot, std::uint32_t size_bytes, std::uint32_t running_version, bool may_be_older) const {
+  if (size_bytes > records(slot)) return Status::kNoSpace;
+  return layout::check_image(
+      area(slot).bytes().first(size_bytes),
+      {wire::kPartNumber, origin(slot), static_cast<std::uint32_t>(records(slot)), running_version, may_be_older});
+}
+
 Status SlotStore::commit(int slot, std::uint32_t size_bytes, std::uint32_t crc) {
-  if (size_bytes < kSmallest || size_bytes > records(slot)) return Status::kOutOfRange;
-  if (!vectors_fit(slot, size_bytes)) return Status::kWrongTarget;
+  if (const Status s = check(slot, size_bytes); s != Status::kOk) return s;
   const Bytes image = area(slot).bytes().first(size_bytes);
   if (crc32(image) != crc) return Status::kBadCrc;
   const SlotState other = inspect(1 - slot);

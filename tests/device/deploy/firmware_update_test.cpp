@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "support/faulty_link.hpp"
 #include "device/deploy/firmware_file.hpp"
 #include "support/device_fixture.hpp"
+#include "support/faulty_link.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::deploy {
@@ -24,9 +24,9 @@ namespace {
 using test::make_firmware;
 using test::package_bytes;
 
-// Makes a package without a label, as in version 0.1.
+// Version 1.0 is newer than what the simulated application says it is.
 FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
-  return make_firmware({.size_bytes = size, .fill = fill, .labelled = false});
+  return make_firmware({.size_bytes = size, .fill = fill, .version = 0x01000000});
 }
 
 wire::NodeClaim only(Fixture& fixture) {
@@ -41,7 +41,7 @@ TEST(FirmwareUpdate, goes_to_one_slot_after_the_other_and_is_skipped_when_equal)
   EXPECT_TRUE(update_firmware(fixture.bus(), only(fixture), first).equal);
   EXPECT_EQ(update_firmware(fixture.bus(), only(fixture), second).slot, 1);
   EXPECT_EQ(update_firmware(fixture.bus(), only(fixture), first).slot, 0);
-  FlashOptions dry;
+  UpdateOptions dry;
   dry.dry_run = true;
   const auto planned = update_firmware(fixture.bus(), only(fixture), second, dry);
   EXPECT_FALSE(planned.equal);

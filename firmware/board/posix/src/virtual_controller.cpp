@@ -9,6 +9,7 @@
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/boot/loader.hpp"
+#include "triskin/layout/image_check.hpp"
 #include "triskin/logic/usb/usb_device.hpp"
 
 namespace triskin::sim {
@@ -195,9 +196,6 @@ class TimedFlash final : public fw::FlashArea {
   Wait wait_;
 };
 
-// Images are linked for these addresses of the microcontroller's slots.
-constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
-
 class Controller final : public VirtualController, private fw::Restart, private fw::BoardMonitor {
  public:
   explicit Controller(const VirtualBoard& board)
@@ -211,10 +209,10 @@ class Controller final : public VirtualController, private fw::Restart, private 
         timed_flash_(flash_, [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }),
         chain_(board.chain, clock_),
         slot_areas_{{{board.slots, 0, kSlotsBytes / 2}, {board.slots, kSlotsBytes / 2, kSlotsBytes / 2}}},
-        slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins),
+        slots_({&slot_areas_[0], &slot_areas_[1]}, layout::kSlotOrigins),
         timed_areas_{{{slot_areas_[0], [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }},
                       {slot_areas_[1], [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }}}},
-        timed_slots_({&timed_areas_[0], &timed_areas_[1]}, kSlotOrigins) {
+        timed_slots_({&timed_areas_[0], &timed_areas_[1]}, layout::kSlotOrigins) {
     start_application();
   }
 

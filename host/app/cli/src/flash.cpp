@@ -10,13 +10,14 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
-#include "flash_backup.hpp"
-#include "flash_firmware.hpp"
-#include "triskin/base/counted.hpp"
 #include "bus_report.hpp"
 #include "calibration_options.hpp"
+#include "flash_backup.hpp"
+#include "flash_firmware.hpp"
 #include "site_options.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/deploy/firmware_update.hpp"
 #include "triskin/diagnose/offset_report.hpp"
@@ -42,6 +43,7 @@ struct Options {
 struct BusOutcome {
   const robot::BusConfig* bus = nullptr;
   std::vector<std::pair<const robot::CoverConfig*, deploy::FlashResult>> covers;
+  std::set<wire::UniqueId> known;  // controllers that answered in any step
   // For each serial number, the revision of a calibration that was lost with an old table is listed.
   std::map<std::string, int> ended;
 };
@@ -84,6 +86,7 @@ void flash_covers(skin::LiveBus& live, const Options& options, const ProgressSin
   }
   std::vector<deploy::FlashResult> results;
   const auto take = [&] {
+    for (const session::Bus& bus : buses) outcome.known.insert(bus.known().begin(), bus.known().end());
     for (std::size_t k = 0; k < results.size(); ++k)
       outcome.covers.emplace_back(&live.covers()[k].config(), std::move(results[k]));
   };
@@ -116,6 +119,7 @@ void flash_bus(skin::LiveBus& live, const Options& options, const ProgressSink& 
       options.flash.dry_run ? std::map<std::string, int>{} : session::kept_revisions(all);
   flash_covers(live, options, progress, outcome);
   if (!options.flash.dry_run) wait_for_all_offsets(all, outcome);
+  outcome.known.insert(all.known().begin(), all.known().end());
   if (before.empty()) return;
   outcome.ended = before;
   for (const auto& [serial, revision] : session::kept_revisions(all)) outcome.ended.erase(serial);
@@ -206,7 +210,9 @@ std::optional<deploy::FirmwarePackage> package_of(const Options& options) {
   if (options.firmware.file.empty()) return std::nullopt;
   if (link::is_usb(options.site.link.link))
     throw InputError("--firmware goes over CAN; over USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/wires.md)");
-  return deploy::read_firmware(options.firmware.file);
+  deploy::FirmwarePackage package = deploy::read_firmware(options.firmware.file);
+  deploy::require_fit(package, options.firmware.update.hardware);  // before tables are written
+  return package;
 }
 
 void require_backup_files(const BackupOptions& backup) {
@@ -245,7 +251,11 @@ int run(Options options, Output& output) {
   try {
     skin.on_each_bus([&](skin::LiveBus& bus) { flash_bus(bus, options, progress, buses[bus.index()]); });
     // The tables were written before, so all controllers have separate addresses by now.
-    if (firmware) updated = flash_firmware(skin.links(), *firmware, options.firmware, options.flash, output);
+    if (firmware) {
+      std::set<wire::UniqueId> known;
+      for (const BusOutcome& b : buses) known.insert(b.known.begin(), b.known.end());
+      updated = flash_firmware(skin.links(), known, *firmware, options.firmware, options.flash, output);
+    }
   } catch (const Error&) {
     if (buses.size() > 1) say();  // Reports the results of the other buses.
     throw;

@@ -29,11 +29,11 @@ void add_row(FirmwareReport& report, const std::string& serial, UpdateOutcome ou
 
 // Updates through the loader, during which the controller does not sample.
 void update_one(session::Bus& bus, const wire::NodeClaim& claim, const deploy::FirmwarePackage& package,
-                const deploy::FlashOptions& flash, FirmwareReport& report, Output& output) {
+                const deploy::UpdateOptions& options, FirmwareReport& report, Output& output) {
   const ProgressSink bars = output.progress();
   const int part = static_cast<int>(report.rows.size());
   const ProgressSink bar = [&](const Progress& p) { triskin::report(bars, p.stage, p.fraction, p.detail, part); };
-  const deploy::FirmwareResult r = deploy::update_firmware(bus, claim, package, flash, bar);
+  const deploy::FirmwareResult r = deploy::update_firmware(bus, claim, package, options, bar);
   const auto outcome = r.bytes != 0 ? UpdateOutcome::kUpdated : r.equal ? UpdateOutcome::kEqual : UpdateOutcome::kWould;
   add_row(report, r.serial, outcome, r.slot, r.bytes, "");
   output.say(fmt::format("controller {}  firmware {}", r.serial,
@@ -45,9 +45,9 @@ void update_one(session::Bus& bus, const wire::NodeClaim& claim, const deploy::F
 // Updates a controller that a broadcast has left out. An error concerns only this board, because the others have their
 // image.
 void update_left_out(session::Bus& bus, const deploy::BoardUpdate& board, const deploy::FirmwarePackage& package,
-                     const deploy::FlashOptions& flash, FirmwareReport& report, Output& output) {
+                     const deploy::UpdateOptions& options, FirmwareReport& report, Output& output) {
   try {
-    update_one(bus, board.claim, package, flash, report, output);
+    update_one(bus, board.claim, package, options, report, output);
   } catch (const link::Unreachable&) {
     throw;  // The link has failed, so the remaining boards cannot be reached either.
   } catch (const DeviceError& e) {
@@ -55,17 +55,6 @@ void update_left_out(session::Bus& bus, const deploy::BoardUpdate& board, const 
     output.say(fmt::format("controller {}  firmware given up: {}", board.serial, e.what()));
     report.complete = false;
   }
-}
-
-// Makes a bus for each wire, so that a broadcast stays on one wire.
-std::vector<std::unique_ptr<session::Bus>> buses_of(std::span<link::Link* const> links) {
-  std::vector<std::unique_ptr<session::Bus>> buses;
-  for (link::Link* link : links) {
-    const auto parts = link->parts();
-    for (link::Link* part : parts) buses.push_back(std::make_unique<session::Bus>(*part));
-    if (parts.empty()) buses.push_back(std::make_unique<session::Bus>(*link));
-  }
-  return buses;
 }
 
 void print_report(const deploy::BoardUpdate& b, FirmwareReport& report, Output& output) {
@@ -86,42 +75,58 @@ void add_firmware_options(CLI::App& app, FirmwareOptions& options) {
   app.add_option("--firmware", options.file,
                  "firmware package for every controller on the link, over CAN, to all of a bus at once")
       ->check(CLI::ExistingFile);
-  app.add_flag("--each", options.broadcast.each,
+  app.add_flag("--each", options.update.each,
                "with --firmware: a controller that is ready starts it, also when another one refuses it");
-  app.add_flag("--allow-older", options.broadcast.allow_older, "with --firmware: also over a newer version");
+  app.add_flag("--allow-older", options.update.allow_older, "with --firmware: also over a newer version");
   app.add_flag("--one-by-one", options.one_by_one,
                "with --firmware: by the loader of one controller after the other, without sampling meanwhile");
+  app.add_option_function<std::string>(
+         "--board", [&options](const std::string& name) { std::ranges::copy(name, options.update.hardware.begin()); },
+         "with --firmware: part number of the boards that the package is for")
+      ->check(CLI::Validator(
+          [](const std::string& name) {
+            return name.size() == wire::kPartNumber.size()
+                       ? std::string()
+                       : std::string("a part number has eight characters, such as TRISKIN1");
+          },
+          "PART"));
 }
 
-FirmwareReport flash_firmware(std::span<link::Link* const> links, const deploy::FirmwarePackage& package,
-                              const FirmwareOptions& options, const deploy::FlashOptions& flash, Output& output) {
+FirmwareReport flash_firmware(std::span<link::Link* const> links, const std::set<wire::UniqueId>& expected,
+                              const deploy::FirmwarePackage& package, const FirmwareOptions& options,
+                              const deploy::FlashOptions& flash, Output& output) {
   FirmwareReport report;
-  const auto parts = buses_of(links);
-  std::vector<deploy::UpdateBus> buses;
-  for (const auto& part : parts) buses.push_back({part.get(), part->discover()});
-  if (options.one_by_one || !deploy::has_labels(package)) {
-    if (!options.one_by_one)
-      output.say("firmware package without labels (version 0.1): one controller after the other");
-    for (const deploy::UpdateBus& b : buses) {
-      for (const wire::NodeClaim& claim : b.boards) update_one(*b.bus, claim, package, flash, report, output);
+  deploy::UpdateOptions update = options.update;
+  update.dry_run = flash.dry_run;
+  update.force = flash.force;
+  const deploy::BoardsOnWires found = deploy::find_boards(links, expected);
+  if (options.one_by_one) {
+    for (const deploy::UpdateBus& b : found.boards) {
+      for (const wire::NodeClaim& claim : b.boards) update_one(*b.bus, claim, package, update, report, output);
     }
-    return report;
-  }
-  deploy::BroadcastOptions broadcast = options.broadcast;
-  broadcast.dry_run = flash.dry_run;
-  broadcast.force = flash.force;
-  const deploy::BroadcastResult r = deploy::broadcast_firmware(buses, package, broadcast, output.progress());
-  std::size_t row = 0;
-  for (const deploy::UpdateBus& b : buses) {
-    for (std::size_t k = 0; k < b.boards.size(); ++k, ++row) {
-      const deploy::BoardUpdate& board = r.boards[row];
-      if (board.outcome == UpdateOutcome::kByLoader)
-        update_left_out(*b.bus, board, package, flash, report, output);
-      else
-        print_report(board, report, output);
+  } else {
+    const deploy::BroadcastResult r = deploy::broadcast_firmware(found.boards, package, update, output.progress());
+    std::size_t row = 0;
+    for (const deploy::UpdateBus& b : found.boards) {
+      for (std::size_t k = 0; k < b.boards.size(); ++k, ++row) {
+        const deploy::BoardUpdate& board = r.boards[row];
+        if (board.outcome == UpdateOutcome::kByLoader)
+          update_left_out(*b.bus, board, package, update, report, output);
+        else
+          print_report(board, report, output);
+      }
     }
+    if (r.frames > 0)
+      output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
   }
-  if (r.frames > 0) output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
+  for (const wire::UniqueId& id : found.silent) {
+    deploy::BoardUpdate board{.claim = {.unique_id = id},
+                              .serial = session::to_text(id),
+                              .why =
+                                  "answered before and "
+                                  "does not any more; check its power and its cable, then run the command again"};
+    print_report(board, report, output);
+  }
   return report;
 }
 

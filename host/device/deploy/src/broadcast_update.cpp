@@ -11,30 +11,11 @@
 #include <random>
 
 #include "triskin/base/outcomes.hpp"
-#include "triskin/layout/image_label.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/wire/identity.hpp"
 #include "update_session.hpp"
 
 namespace triskin::deploy {
 namespace {
-
-// Checks the image's label before anything is sent.
-void check_label(const FirmwarePackage& package, int slot) {
-  const auto label = layout::decode_label(package.image(slot));
-  if (!label) {
-    throw InputError(
-        fmt::format("firmware package: the image for slot {} has no label: it is of version 0.1, which goes to one "
-                    "controller after "
-                    "the other (--one-by-one)",
-                    slot));
-  }
-  if (label->hardware != wire::kPartNumber)
-    throw InputError(fmt::format("firmware package: the image for slot {} is for other hardware", slot));
-  if (label->firmware_version != package.head.firmware_version)
-    throw InputError(
-        fmt::format("firmware package: the image for slot {} is of another version than its head says", slot));
-}
 
 // Passes the exception on; that of a broken wire says what the update has left behind.
 [[noreturn]] void rethrow_with(const std::exception_ptr& failure, std::string_view left_behind) {
@@ -89,8 +70,27 @@ std::uint16_t draw_session() {
 
 }  // namespace
 
-bool has_labels(const FirmwarePackage& package) {
-  return layout::decode_label(package.image(0)) && layout::decode_label(package.image(1));
+BoardsOnWires find_boards(std::span<link::Link* const> links, const std::set<wire::UniqueId>& expected) {
+  BoardsOnWires found;
+  for (link::Link* link : links) {
+    std::vector<link::Link*> parts = link->parts();
+    if (parts.empty()) parts.push_back(link);
+    for (link::Link* part : parts) found.wires.push_back(std::make_unique<session::Bus>(*part));
+  }
+  std::set<wire::UniqueId> silent = expected;
+  for (const auto& wire : found.wires) {
+    found.boards.push_back({wire.get(), wire->discover()});
+    for (const wire::NodeClaim& c : found.boards.back().boards) silent.erase(c.unique_id);
+  }
+  // On which wire a silent controller hangs is not known.
+  for (std::size_t k = 0; k < found.wires.size() && !silent.empty(); ++k) {
+    for (const wire::UniqueId& id : silent) found.wires[k]->expect(id);
+    for (const wire::NodeClaim& c : found.wires[k]->discover()) {
+      if (silent.erase(c.unique_id) > 0) found.boards[k].boards.push_back(c);
+    }
+  }
+  found.silent.assign(silent.begin(), silent.end());
+  return found;
 }
 
 std::string_view outcome_name(UpdateOutcome outcome) {
@@ -106,8 +106,8 @@ bool BroadcastResult::complete() const {
 }
 
 BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
-                                   const BroadcastOptions& options, const ProgressSink& progress) {
-  for (int slot = 0; slot < 2; ++slot) check_label(package, slot);
+                                   const UpdateOptions& options, const ProgressSink& progress) {
+  require_fit(package, options.hardware);
   std::mutex telling;
   const std::uint16_t number = draw_session();
   Sessions sessions;

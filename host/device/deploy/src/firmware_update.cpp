@@ -8,7 +8,9 @@
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/layout/image_check.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
 #include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::deploy {
@@ -132,8 +134,9 @@ int free_slot(const std::optional<wire::ImageState>& before, std::uint8_t states
   return running == 0 ? 1 : 0;
 }
 
-int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>& before, session::Controller& controller,
-                    const FirmwarePackage& package, const std::function<void(double)>& steps) {
+int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>& before,
+                    session::Controller& controller, const FirmwarePackage& package,
+                    const std::function<void(double)>& steps) {
   try {
     const int slot = free_slot(before, loader.enter(controller));
     loader.erase(slot);
@@ -145,7 +148,7 @@ int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>
     throw Cancelled(std::string(e.what()) + "; the old firmware stays and starts again");
   } catch (const link::Unreachable& e) {
     throw link::Unreachable(std::string(e.what()) +
-                      "; the old firmware stays and starts again by itself; run the command again");
+                            "; the old firmware stays and starts again by itself; run the command again");
   } catch (const DeviceError&) {
     loader.leave();  // While the loader waited for more, the next command would not find the controller.
     throw;
@@ -156,7 +159,62 @@ bool runs(const std::optional<wire::ImageState>& state, const FirmwarePackage& p
   return state && state->record_crc == layout::slot_crc(state->sequence, package.image(state->slot));
 }
 
+std::string part_number(const std::array<std::uint8_t, 8>& hardware) {
+  return {hardware.begin(), hardware.end()};
+}
+
+// A label that decodes and does not fit is of other hardware, another slot or another memory map.
+std::string why_unfit(Status status, Bytes image, const layout::ImageTarget& target) {
+  const auto label = layout::decode_label(image);
+  switch (status) {
+    case Status::kBadMagic:
+    case Status::kBadVersion:
+      return "has no label that says which board it is for; build the package again with this release";
+    case Status::kWrongTarget:
+      if (label->hardware != target.hardware)
+        return fmt::format("is for a board \"{}\", these are \"{}\"; give the package of your board, or --board {}",
+                           part_number(label->hardware), part_number(target.hardware), part_number(label->hardware));
+      if (label->origin != target.origin)
+        return fmt::format("is linked for address 0x{:08X}, the slot begins at 0x{:08X}; build the package again",
+                           label->origin, target.origin);
+      return "is linked for another microcontroller: its stack or its entry lies outside; build the package again";
+    default:
+      return "has a size that no slot takes; build the package again";
+  }
+}
+
+// The loader does not know which version runs, so the host compares.
+void require_newer_of_this_kind(session::Controller& controller, const FirmwarePackage& package,
+                                const UpdateOptions& options, const std::string& name) {
+  const std::string kind = controller.part_number();
+  if (kind != part_number(options.hardware))
+    throw DeviceError(fmt::format("{} is a board \"{}\", the package is for \"{}\"; nothing was written to it", name,
+                                  kind, part_number(options.hardware)));
+  const std::uint32_t now = controller.hello().firmware_version, offered = package.head.firmware_version;
+  if (offered < now && !options.allow_older)
+    throw DeviceError(
+        fmt::format("{} runs version {}, the package has {}; --allow-older takes it; nothing was written to it", name,
+                    session::firmware_version_text(now), session::firmware_version_text(offered)));
+}
+
 }  // namespace
+
+void require_fit(const FirmwarePackage& package, const std::array<std::uint8_t, 8>& hardware) {
+  for (int slot = 0; slot < 2; ++slot) {
+    const Bytes image = package.image(slot);
+    const layout::ImageTarget target{.hardware = hardware,
+                                     .origin = layout::kSlotOrigins[static_cast<std::size_t>(slot)]};
+    const Status status = layout::check_image(image, target);
+    if (status != Status::kOk)
+      throw InputError(fmt::format("firmware package: the image for slot {} {}", slot == 0 ? 'A' : 'B',
+                                   why_unfit(status, image, target)));
+    if (layout::decode_label(image)->firmware_version != package.head.firmware_version)
+      throw InputError(
+          fmt::format("firmware package: the image for slot {} is of another version than the head says; "
+                      "build the package again",
+                      slot == 0 ? 'A' : 'B'));
+  }
+}
 
 FirmwarePackage read_firmware(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -181,12 +239,16 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
 }
 
 FirmwareResult update_firmware(session::Bus& bus, const wire::NodeClaim& who, const FirmwarePackage& package,
-                               const FlashOptions& options, const ProgressSink& progress) {
+                               const UpdateOptions& options, const ProgressSink& progress) {
+  require_fit(package, options.hardware);
   FirmwareResult result{session::to_text(who.unique_id), false, -1, 0};
   session::Controller controller(bus, who.node_address);
   const auto before = controller.image_state();
   result.equal = runs(before, package);
   if (before) result.slot = before->slot;
+  if (!result.equal)
+    require_newer_of_this_kind(controller, package, options,
+                               fmt::format("{}: controller {}", bus.link().name(), result.serial));
   if (options.dry_run || (result.equal && !options.force)) return result;
   report(progress, "entering the loader", 0.0, result.serial);
   LoaderSession loader(bus, who.unique_id);

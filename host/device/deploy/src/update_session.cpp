@@ -7,6 +7,7 @@
 
 #include "triskin/layout/image_label.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
 #include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/identity.hpp"
 
@@ -33,10 +34,6 @@ constexpr int kTries = 3, kMaxRounds = 25;
 constexpr int kSilentRounds = 3;
 constexpr std::uint64_t kMaxLag_us = 2'000;  // Sending catches up with at most this delay.
 
-std::string version_text(std::uint32_t v) {
-  return fmt::format("{}.{}.{}.{}", v >> 24, v >> 16 & 255, v >> 8 & 255, v & 255);
-}
-
 std::string why_refused(Status s) {
   switch (s) {
     case Status::kWrongTarget:
@@ -59,7 +56,7 @@ std::string why_refused(Status s) {
 }  // namespace
 
 UpdateSession::UpdateSession(session::Bus& bus, std::span<const wire::NodeClaim> boards, const FirmwarePackage& package,
-                             const BroadcastOptions& options, std::uint16_t session, OnProgress progress)
+                             const UpdateOptions& options, std::uint16_t session, OnProgress progress)
     : bus_(bus),
       package_(package),
       options_(options),
@@ -178,8 +175,7 @@ void UpdateSession::wait_for_another() {
 
 void UpdateSession::decide(Board& b) {
   if (!b.who && !b.claims) return give_up(b, UpdateOutcome::kGivenUp, "does not answer; check its power and its cable");
-  if (!b.who || !b.image || !b.state)
-    return give_up(b, UpdateOutcome::kByLoader, "does not know the broadcast: its firmware is of version 0.1");
+  if (!b.who || !b.image || !b.state) return give_up(b, UpdateOutcome::kByLoader, "does not know the broadcast");
   b.result.slot = b.who->running_slot;
   if (b.who->protocol != wire::update::kProtocol)
     return give_up(b, UpdateOutcome::kRefused, "speaks another update protocol; use the tool of its release");
@@ -187,9 +183,10 @@ void UpdateSession::decide(Board& b) {
   if (equal(b) && !options_.force) return give_up(b, UpdateOutcome::kEqual, "");
   const std::uint32_t offered = package_.head.firmware_version;
   if (offered < b.who->firmware_version && !options_.allow_older) {
-    return give_up(b, UpdateOutcome::kRefused,
-                   fmt::format("runs version {}, the package has {}; --allow-older takes it",
-                               version_text(b.who->firmware_version), version_text(offered)));
+    return give_up(
+        b, UpdateOutcome::kRefused,
+        fmt::format("runs version {}, the package has {}; --allow-older takes it",
+                    session::firmware_version_text(b.who->firmware_version), session::firmware_version_text(offered)));
   }
   if (options_.dry_run) return give_up(b, UpdateOutcome::kWould, "");
   b.under_way = true;
@@ -209,7 +206,7 @@ wire::update::Offer UpdateSession::offer_of(int slot) const {
           .may_be_older = options_.allow_older,
           .size_bytes = static_cast<std::uint32_t>(image.size()),
           .firmware_version = package_.head.firmware_version,
-          .hardware_crc = crc32(wire::kPartNumber),
+          .hardware_crc = crc32(options_.hardware),
           .image_crc = crc32(image)};
 }
 

@@ -17,7 +17,7 @@ class UpdateSession {
   using OnProgress = std::function<void(std::size_t board, const char* stage, double fraction)>;
   /// `bus` and `package` must outlive the session. `session` must not be 0.
   UpdateSession(session::Bus& bus, std::span<const wire::NodeClaim> boards, const FirmwarePackage& package,
-                const BroadcastOptions& options, std::uint16_t session, OnProgress progress);
+                const UpdateOptions& options, std::uint16_t session, OnProgress progress);
 
   /// Asks each board what it runs, and lets the boards that need the update join. Nothing is written. Throws as Bus
   /// does.
@@ -109,7 +109,7 @@ class UpdateSession {
 
   session::Bus& bus_;
   const FirmwarePackage& package_;
-  BroadcastOptions options_;
+  UpdateOptions options_;
   std::uint16_t session_;
   OnProgress progress_;
   std::vector<Board> boards_;

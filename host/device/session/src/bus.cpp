@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "triskin/base/interrupt.hpp"
 #include "triskin/wire/uds.hpp"
@@ -209,27 +210,44 @@ Bus::Message Bus::request(std::uint8_t node, Bytes request, Repeat repeat) {
       link_.name(), node, request[0], trouble.empty() ? "" : " (" + trouble + ")"));
 }
 
-std::vector<wire::NodeClaim> Bus::discover() {
+bool Bus::ask_who_is_there(std::map<wire::UniqueId, wire::NodeClaim>& claims) {
   std::map<std::uint32_t, wire::IdFrames> partial;
-  std::map<wire::UniqueId, wire::NodeClaim> found;
-  // The question is sent twice, because a frame may be lost.
-  for (int round = 0; round < 2; ++round) {
-    link_.send(wire::who_is_there());
-    const std::uint64_t asked_us = link_.now_us();
-    std::uint64_t until_us = asked_us + kClaimWindow_us;
-    while (link_.now_us() < until_us) {
-      const auto frame = receive(until_us);
-      if (!frame || !wire::is_claim(*frame)) continue;
-      // Many claims on a slow bus take long: as long as they arrive, more may follow.
-      until_us = std::min(std::max(until_us, link_.now_us() + kClaimGap_us), asked_us + kLongestClaims_us);
-      const auto joined = partial[frame->id].add(*frame);
-      if (!joined || wire::claim_id(joined->unique_id) != frame->id) continue;
-      if (const auto claim = wire::decode_claim(*joined)) found[claim->unique_id] = *claim;
+  std::set<wire::UniqueId> heard;
+  link_.send(wire::who_is_there());
+  const std::uint64_t asked_us = link_.now_us();
+  std::uint64_t until_us = asked_us + kClaimWindow_us;
+  while (link_.now_us() < until_us) {
+    const auto frame = receive(until_us);
+    if (!frame || !wire::is_claim(*frame)) continue;
+    // Many claims on a slow bus take long: as long as they arrive, more may follow.
+    until_us = std::min(std::max(until_us, link_.now_us() + kClaimGap_us), asked_us + kLongestClaims_us);
+    const auto joined = partial[frame->id].add(*frame);
+    if (!joined || wire::claim_id(joined->unique_id) != frame->id) continue;
+    if (const auto claim = wire::decode_claim(*joined)) {
+      claims[claim->unique_id] = *claim;
+      heard.insert(claim->unique_id);
     }
   }
+  known_.insert(heard.begin(), heard.end());
+  return heard.size() == known_.size();
+}
+
+std::vector<wire::NodeClaim> Bus::discover() {
+  std::map<wire::UniqueId, wire::NodeClaim> found;
+  bool all_heard = false;
+  for (int round = 0; round < kMinClaimRounds || (round < kMaxClaimRounds && !all_heard); ++round)
+    all_heard = ask_who_is_there(found);
   std::vector<wire::NodeClaim> claims;
   for (const auto& [id, claim] : found) claims.push_back(claim);
   return claims;
+}
+
+std::vector<wire::UniqueId> Bus::silent(std::span<const wire::NodeClaim> claims) const {
+  std::vector<wire::UniqueId> silent;
+  std::ranges::copy_if(known_, std::back_inserter(silent), [&](const wire::UniqueId& id) {
+    return std::ranges::find(claims, id, &wire::NodeClaim::unique_id) == claims.end();
+  });
+  return silent;
 }
 
 void Bus::assign(const wire::UniqueId& id, std::uint8_t node_address) {

@@ -153,6 +153,11 @@ void Controller::require_versions(const wire::Hello& h) const {
       bus_.link().name(), node_, h.wire_version, h.layout_version, wire::kWireVersion, layout::kLayoutVersion));
 }
 
+std::string Controller::part_number() {
+  const Message m = read(wire::did::kPartNumber);
+  return {m.begin(), m.end()};
+}
+
 wire::ActiveTable Controller::active_table() {
   return value<wire::ActiveTable>("table");
 }

@@ -49,8 +49,11 @@ class SlotStore {
   [[nodiscard]] Status erase(int slot);
   /// Programs one unit of the image. Errors: kNoSpace, kFlashFailed.
   [[nodiscard]] Status program(int slot, std::uint32_t offset, Bytes unit);
-  /// Writes the commit record after checking the contents of the flash. Errors: kOutOfRange, kWrongTarget (vectors),
-  /// kBadCrc, kFlashFailed.
+  /// Asks layout::check_image() about what was written into a slot; loader and DFU know no running version.
+  [[nodiscard]] Status check(int slot, std::uint32_t size_bytes, std::uint32_t running_version = 0,
+                             bool may_be_older = false) const;
+  /// Writes the commit record after checking the contents of the flash. Errors: those of check(), kBadCrc,
+  /// kFlashFailed.
   [[nodiscard]] Status commit(int slot, std::uint32_t size_bytes, std::uint32_t crc);
   /// Erases one page of a slot. This and the following functions are the parts of erase() and commit(), for an update
   /// while the application works.

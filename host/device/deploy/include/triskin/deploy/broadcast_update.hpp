@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,18 +15,11 @@
 
 namespace triskin::deploy {
 
-struct BroadcastOptions {
-  bool each = false;         ///< A controller that is ready starts the new image even when another one refuses it.
-  bool allow_older = false;  ///< The image may replace a newer version.
-  bool dry_run = false;      ///< Nothing is written; the result says what would happen.
-  bool force = false;        ///< Images are written even if they are equal.
-};
-
 enum class UpdateOutcome : std::uint8_t {
   kUpdated,   ///< The new image runs.
   kEqual,     ///< The image was already running.
   kWould,     ///< Without the dry run, the image would be written.
-  kByLoader,  ///< The board does not know the broadcast (version 0.1), so update_firmware() is used for it.
+  kByLoader,  ///< The board claims its address and does not know the broadcast, so update_firmware() is used for it.
   kRefused,   ///< The controller refused, or nothing was sent to it; its old image continues.
   kHeldBack,  ///< The controller was ready, but another one refused; its old image continues.
   kGivenUp,   ///< The controller no longer answers, or was restarted; it will start its old image.
@@ -57,18 +52,25 @@ struct UpdateBus {
   std::vector<wire::NodeClaim> boards;
 };
 
-/// Returns true when the images of the package have labels; those of version 0.1 do not, so they cannot be broadcast.
-[[nodiscard]] bool has_labels(const FirmwarePackage& package);
+/// The wires of some links, each with its controllers.
+struct BoardsOnWires {
+  std::vector<std::unique_ptr<session::Bus>> wires;
+  std::vector<UpdateBus> boards;       ///< one for each wire
+  std::vector<wire::UniqueId> silent;  ///< expected, and silent on every wire however often they were asked
+};
+/// Finds the controllers on each wire of `links`, which must outlive the result. Whoever in `expected` (what the
+/// command knows: the design's controllers, all that an earlier step has heard) does not answer is asked again on each
+/// wire, see Bus::discover(). An update is not complete while somebody is silent. Throws Unreachable.
+[[nodiscard]] BoardsOnWires find_boards(std::span<link::Link* const> links, const std::set<wire::UniqueId>& expected);
 
 /// Writes the firmware into the free slot of all these controllers at once (docs/protocol.md, "One image to all"): each
 /// image is sent once over each bus, then the parts that were lost. When all remaining controllers have checked it, all
 /// start it; if one refuses, none does, unless `each` is set. A controller that was given up does not delay the others.
 /// Controllers continue to sample until they restart. If there are several buses, each is served by its own thread;
 /// `progress` is called by one thread at a time, with the number of the board (over all buses, in order) as part.
-/// Throws InputError (no labels, other hardware, a head that does not fit), the exceptions of Bus on a dead link, and
+/// Throws InputError as require_fit(), the exceptions of Bus on a dead link, and
 /// Cancelled when the process was asked to end before anything was activated; the old images then continue.
 [[nodiscard]] BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
-                                                 const BroadcastOptions& options = {},
-                                                 const ProgressSink& progress = {});
+                                                 const UpdateOptions& options = {}, const ProgressSink& progress = {});
 
 }  // namespace triskin::deploy

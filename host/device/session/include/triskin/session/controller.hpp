@@ -39,6 +39,8 @@ class Controller {
   wire::Hello hello();
   /// Throws DeviceError when the controller has another wire or layout version, because it may then only be updated.
   void require_versions(const wire::Hello& hello) const;
+  /// Reads the part number of the board (F190), eight characters.
+  std::string part_number();
   /// Reads design id, size and CRC of the active table.
   wire::ActiveTable active_table();
   /// Reads the first `size_bytes` bytes of the active table. Throws DeviceError for a malformed block.
