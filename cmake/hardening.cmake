@@ -4,8 +4,8 @@ if(NOT CMAKE_CROSSCOMPILING)
   add_link_options(-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 # Checks of the stack and of buffers with a known size; jumps only to where a function begins. The sanitizers see more and
-# do not go with them. The presets host and demo, which share a folder and its objects, leave them out.
-option(TRISKIN_HARDENED "Compile with stack protector, _FORTIFY_SOURCE and control-flow protection" ON)
+# do not go with them. Packages and the preset robot turn it on; those of development share objects and leave it out.
+option(TRISKIN_HARDENED "Compile with stack protector, _FORTIFY_SOURCE and control-flow protection" OFF)
 if(TRISKIN_HARDENED AND NOT CMAKE_CROSSCOMPILING AND NOT TRISKIN_SANITIZE AND CMAKE_BUILD_TYPE MATCHES "Rel")
   add_compile_options(-fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")

@@ -16,6 +16,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "did_you_mean.hpp"
@@ -96,7 +97,9 @@ int run_entry(const Entry& entry) {
   } catch (const Error& e) {
     return unless_ended(fail(e.what(), e.exit_status()));
   } catch (const std::bad_alloc&) {
-    return fail("out of memory; use a smaller input", 2);
+    return fail("out of memory; use a smaller input, or give the program more (ulimit -v)", 3);
+  } catch (const std::system_error& e) {
+    return fail(fmt::format("the computer refuses: {}; end other programs, or raise the limits (ulimit -a)", e.what()), 3);
   } catch (const std::exception& e) {
     return fail(fmt::format("internal error: {}; please report it with the input", e.what()), 2);
   }
@@ -142,6 +145,8 @@ int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, cons
 
 int run_program(const std::string& description, int argc, char** argv) {
   hold_standard_descriptors();
+  // A file beyond the limit of the shell (ulimit -f) is then refused with an error, which has a message.
+  (void)std::signal(SIGXFSZ, SIG_IGN);
   CLI::App program{description};
   program.name(std::filesystem::path(argv[0]).filename().string());
   const auto format = std::make_shared<HelpFormat>(help_columns());
