@@ -24,7 +24,7 @@ class Kills : public ShellCase {
   void SetUp() override {
     ShellCase::SetUp();
     design::write_design(folder_ / "strip.json", strip(8, 4));
-    const std::vector<std::uint8_t> package = package_bytes({.size_bytes = 16'384});
+    const std::vector<std::uint8_t> package = package_bytes({.size_bytes = 16'384, .version = 0x01000000});
     std::ofstream(folder_ / "new.tsk", std::ios::binary)
         .write(reinterpret_cast<const char*>(package.data()), static_cast<std::streamsize>(package.size()));
   }

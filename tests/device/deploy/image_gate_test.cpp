@@ -15,6 +15,8 @@
 namespace triskin::deploy {
 namespace {
 
+using test::Fixture;
+
 constexpr std::uint32_t kNew = 0x01000000, kOld = 0x00000100;
 
 std::array<std::uint8_t, 8> other_board() {

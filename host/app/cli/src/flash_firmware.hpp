@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "triskin/deploy/broadcast_update.hpp"
+#include "triskin/deploy/flash.hpp"
 
 namespace triskin::cli {
 

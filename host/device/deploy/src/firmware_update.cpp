@@ -82,8 +82,10 @@ class LoaderSession {
     check(wait(LoaderCommand::kCommit, kReply_us), "checking");
   }
   void boot() { send(LoaderCommand::kBoot); }
-  // Starts the application and waits until it can answer.
+  // Starts the application and waits until it can answer. Nobody answers the command, so it is sent twice: an
+  // application does not know it.
   void leave() {
+    boot();
     boot();
     bus_.listen(link_.now_us() + kStart_us);
   }

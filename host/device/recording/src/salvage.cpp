@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kMaxRecordBytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t kFooterBytes = 20, kDataEndBytes = 4;
+constexpr std::size_t kMessageHeadBytes = 22;  // channel, sequence and two times
 constexpr std::uint64_t kSearchStepBytes = std::uint64_t{1} << 20;
 
 enum class State : std::uint8_t {
@@ -143,7 +144,7 @@ class Walk {
       case Kind::kDataEnd:
         return exact(contents.size() == kDataEndBytes);
       case Kind::kMessage:
-        return exact(ByteReader(contents).le16() != 0 && contents.size() >= 22);
+        return exact(contents.size() >= kMessageHeadBytes);
       case Kind::kAttachment:
         if (!attachment_fills(contents)) return State::kDamaged;
         return is_exact<Attachment>(contents) ? State::kWhole : State::kContentDamaged;

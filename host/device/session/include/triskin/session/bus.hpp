@@ -140,8 +140,8 @@ class Bus {
   std::map<std::uint8_t, std::unique_ptr<wire::IsoTp>> connections_;
   // A null pointer means that the kernel offers no channel.
   std::map<std::uint8_t, std::unique_ptr<link::MessageChannel>> channels_;
-  std::set<wire::UniqueId> known_;
   int held_ = 0;
+  std::set<wire::UniqueId> known_;  // everybody who has ever answered discover(), or is expected to
 };
 
 }  // namespace triskin::session
