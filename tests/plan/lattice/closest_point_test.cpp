@@ -6,8 +6,9 @@
 #include <limits>
 #include <random>
 
-#include "shapes.hpp"
 #include "plan/lattice/src/near_surface.hpp"
+#include "shapes.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -28,7 +29,7 @@ class ClosestPoint : public testing::Test {
     const Mesh& m = surface_.mesh();
     for (const auto& f : m.faces) {
       const Vec3 &a = m.vertices[at(f[0])], &b = m.vertices[at(f[1])], &c = m.vertices[at(f[2])];
-      const Vec3 w = mesh::closest_on_triangle(q, a, b, c);
+      const Vec3 w = geometry::closest_on_triangle(q, a, b, c);
       least = std::min(least, (w[0] * a + w[1] * b + w[2] * c - q).norm());
     }
     return least;

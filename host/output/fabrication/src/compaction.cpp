@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::fabrication {
 namespace {
 
@@ -166,7 +168,8 @@ class Compaction {
       const Vec2 at = corner + bodies_[a].shift_mm;
       if (!box_of_side(at, at).is_within(box, reach)) return;
       for_each_corner(bodies_[b], [&](const Vec2& from, const Vec2& to) {
-        if (distance_to_side(corner + offset, from, to) < reach) touches_.push_back({a, b, corner, from, to});
+        if (geometry::distance_to_segment(Vec2(corner + offset), from, to) < reach)
+          touches_.push_back({a, b, corner, from, to});
       });
     });
   }
@@ -214,8 +217,9 @@ class Compaction {
       for_each_corner(other, [&](const Vec2& c, const Vec2& d) {
         const Vec2 r = c + other.shift_mm, s = d + other.shift_mm;
         if (!is_kept || !side.is_within(box_of_side(r, s), gap)) return;
-        is_kept = !sides_cross(p, q, r, s) && distance_to_side(p, r, s) >= gap && distance_to_side(r, p, q) >= gap &&
-                  distance_to_side(q, r, s) >= gap && distance_to_side(s, p, q) >= gap;
+        is_kept = !sides_cross(p, q, r, s) && geometry::distance_to_segment(p, r, s) >= gap &&
+                  geometry::distance_to_segment(r, p, q) >= gap && geometry::distance_to_segment(q, r, s) >= gap &&
+                  geometry::distance_to_segment(s, p, q) >= gap;
       });
     });
     return is_kept;

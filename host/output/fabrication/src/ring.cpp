@@ -13,12 +13,6 @@ Vec2 rotated(const Vec2& p, double angle_rad) {
   return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
 }
 
-double distance_to_side(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double t = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (p - a - t * d).norm();
-}
-
 double area_within(const Ring& ring) {
   double twice = 0.0;
   for (std::size_t k = 0; k < ring.size(); ++k) {

@@ -11,9 +11,6 @@ using Ring = std::vector<design::Vec2>;
 /// Turns a point counter-clockwise around (0, 0). Constant cost.
 [[nodiscard]] design::Vec2 rotated(const design::Vec2& p, double angle_rad);
 
-/// Returns the distance of a point from a segment, mm. Constant cost.
-[[nodiscard]] double distance_to_side(const design::Vec2& p, const design::Vec2& a, const design::Vec2& b);
-
 /// Returns the area within a ring, negative if it runs clockwise. Cost: linear.
 [[nodiscard]] double area_within(const Ring& ring);
 

@@ -8,6 +8,7 @@
 
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/geometry/segment.hpp"
 
 namespace triskin::fabrication {
 namespace {
@@ -43,10 +44,7 @@ double FixedCopper::distance_mm(const Vec2& p) const {
     const Vec2 local = Eigen::Rotation2Dd(-angle_rad) * (p - from_mm);
     return (local.cwiseAbs() - half_size_mm).cwiseMax(0.0).norm();
   }
-  const Vec2 along = to_mm - from_mm;
-  const double square = along.squaredNorm();
-  const double t = square > 0.0 ? std::clamp((p - from_mm).dot(along) / square, 0.0, 1.0) : 0.0;
-  return std::max(0.0, (p - from_mm - t * along).norm() - radius_mm);
+  return std::max(0.0, geometry::distance_to_segment(p, from_mm, to_mm) - radius_mm);
 }
 
 RouteGrid::RouteGrid(const std::vector<FixedCopper>& copper, const std::vector<bool>& front_nets)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::fabrication {
 
 using design::Vec2;
@@ -67,7 +69,7 @@ void Silhouette::draw_side(const Vec2& a, const Vec2& b, double reach_mm,
   };
   for (int y = pixel(low.y() - reach_mm, height_); y <= pixel(high.y() + reach_mm, height_); ++y) {
     for (int x = pixel(low.x() - reach_mm, width_); x <= pixel(high.x() + reach_mm, width_); ++x) {
-      if (distance_to_side(Vec2((x + 0.5) * kPixel_mm, (y + 0.5) * kPixel_mm), a, b) <= reach_mm)
+      if (geometry::distance_to_segment(Vec2((x + 0.5) * kPixel_mm, (y + 0.5) * kPixel_mm), a, b) <= reach_mm)
         is_set[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)] = 1;
     }
   }

@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::sheet {
 namespace {
 
@@ -130,9 +132,7 @@ std::vector<std::array<Vec3, 2>> rim_edges_of(const Mesh& surface) {
 double distance_to_mm(const std::vector<std::array<Vec3, 2>>& edges, const Vec3& at_mm) {
   double nearest_mm = -1.0;
   for (const auto& [from, to] : edges) {
-    const Vec3 along = to - from;
-    const double part = std::clamp((at_mm - from).dot(along) / std::max(1e-12, along.squaredNorm()), 0.0, 1.0);
-    const double distance_mm = (from + part * along - at_mm).norm();
+    const double distance_mm = geometry::distance_to_segment(at_mm, from, to);
     if (nearest_mm < 0.0 || distance_mm < nearest_mm) nearest_mm = distance_mm;
   }
   return nearest_mm;

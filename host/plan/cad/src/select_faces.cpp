@@ -12,6 +12,7 @@
 #include <set>
 
 #include "triskin/base/error.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::cad {
 namespace {
@@ -67,31 +68,14 @@ bool is_body(const Part& part, int body, const std::string& wanted) {
   return b.name == wanted || b.path == wanted || std::to_string(body) == wanted;
 }
 
-// Returns the distance of a triangle from a point, measured to its plane region; exact enough where faces meet.
-double distance_to(const Part& part, std::size_t t, const Vec3& p) {
-  const auto& f = part.mesh.faces[t];
-  const auto at = [&](std::size_t k) { return part.mesh.vertices[static_cast<std::size_t>(f[k])]; };
-  const Vec3 ab = at(1) - at(0), ac = at(2) - at(0), ap = p - at(0);
-  const double aa = ab.dot(ab), bb = ac.dot(ac), ab_ac = ab.dot(ac), det = aa * bb - ab_ac * ab_ac;
-  if (det > 0.0) {
-    const double v = (bb * ap.dot(ab) - ab_ac * ap.dot(ac)) / det, w = (aa * ap.dot(ac) - ab_ac * ap.dot(ab)) / det;
-    if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) return (ap - v * ab - w * ac).norm();
-  }
-  double nearest = 1e300;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 from = at(k), side = at((k + 1) % 3) - from;
-    const double along =
-        side.squaredNorm() > 0.0 ? std::clamp((p - from).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (p - from - along * side).norm());
-  }
-  return nearest;
-}
-
 BrepFaceIndex nearest_face(const Part& part, const Vec3& point) {
   double nearest = 1e300;
   BrepFaceIndex face = BrepFaceIndex::none();
   for (std::size_t t = 0; t < part.mesh.faces.size(); ++t) {
-    const double distance = distance_to(part, t, point);
+    const auto corner = [&](std::size_t k) {
+      return part.mesh.vertices[static_cast<std::size_t>(part.mesh.faces[t][k])];
+    };
+    const double distance = geometry::distance_to_triangle(point, {corner(0), corner(1), corner(2)});
     if (distance < nearest) nearest = distance, face = part.face_of_triangle[t];
   }
   return face;

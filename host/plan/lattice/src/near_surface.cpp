@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "triskin/base/index.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -117,7 +118,7 @@ Foot NearSurface::closest(const Vec3& query_mm) {
     const double height = surface_.face_normal(face).dot(query_mm - a);
     if (height * height >= best_squared) continue;
     const Vec3 &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
-    const Vec3 weights = mesh::closest_on_triangle(query_mm, a, b, c);
+    const Vec3 weights = geometry::closest_on_triangle(query_mm, a, b, c);
     const Vec3 p = weights[0] * a + weights[1] * b + weights[2] * c;
     const double squared = (p - query_mm).squaredNorm();
     if (squared >= best_squared) continue;

@@ -13,6 +13,7 @@
 
 #include "search_bound.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -74,7 +75,7 @@ class FacePrism {
     for (std::size_t k = 0; k < 3; ++k) out_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(n_).normalized();
   }
   [[nodiscard]] double distance(const Vec3& p) const {
-    const Vec3 weights = mesh::closest_on_triangle(p, corner_[0], corner_[1], corner_[2]);
+    const Vec3 weights = geometry::closest_on_triangle(p, corner_[0], corner_[1], corner_[2]);
     return (weights[0] * corner_[0] + weights[1] * corner_[1] + weights[2] * corner_[2] - p).norm();
   }
   [[nodiscard]] bool has_area() const { return n_.squaredNorm() > 0.5; }

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "triskin/base/index.hpp"
+#include "triskin/geometry/triangle.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::mesh {
@@ -63,7 +64,7 @@ double BodyDistance::distance_mm(const Vec3& p, double at_most_mm) const {
   tree_.nearest(p, best, [&](int face) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
-    const Vec3 w = closest_on_triangle(p, a, b, c);
+    const Vec3 w = geometry::closest_on_triangle(p, a, b, c);
     best = std::min(best, (p - w[0] * a - w[1] * b - w[2] * c).squaredNorm());
   });
   return std::sqrt(best);

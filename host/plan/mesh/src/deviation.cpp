@@ -15,6 +15,7 @@
 
 #include "triangle_tree.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/geometry/triangle.hpp"
 #include "triskin/mesh/extract_steps.hpp"
 
 namespace triskin::mesh {
@@ -28,15 +29,11 @@ constexpr std::size_t kBatch = 64;  // At least this many are divided side by si
 constexpr std::size_t kMinSteps = 20'000;
 constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the middles of this many triangles.
 
-using Triangle = std::array<Vec3, 3>;
+using geometry::Triangle, geometry::area_of;
 
 Triangle triangle_of(const Mesh& mesh, FaceIndex face) {
   const auto& f = mesh.faces[at(face)];
   return {mesh.vertices[at(f[0])], mesh.vertices[at(f[1])], mesh.vertices[at(f[2])]};
-}
-
-double area_of(const Triangle& t) {
-  return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
 }
 
 Vec3 middle_of(const Triangle& t) {
@@ -134,8 +131,7 @@ class Way {
     for (const Triangle& t : triangles) {
       for (const Vec3& corner : t) {
         way = std::max(way, (corner - point).norm());
-        const Vec3 w = closest_on_triangle(corner, face[0], face[1], face[2]);
-        most = std::max(most, (w[0] * face[0] + w[1] * face[1] + w[2] * face[2] - corner).norm());
+        most = std::max(most, geometry::distance_to_triangle(corner, face));
       }
     }
     b.upper = std::min({b.upper, most, found.distance_mm + way});

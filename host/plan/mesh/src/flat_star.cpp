@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::mesh {
 namespace {
 
@@ -20,13 +22,6 @@ constexpr double kLean = 0.5;
 
 double squared(const auto& a, const auto& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
-}
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length_squared = d.squaredNorm();
-  const double t = length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
-  return (a + t * d - p).norm();
 }
 
 }  // namespace
@@ -41,7 +36,7 @@ FlatStar::FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open)
              y = normal.cross(x);
   for (std::size_t k = 0; k < size_; ++k) ring_[k] = {x.dot(spoke[k]), y.dot(spoke[k]), normal.dot(spoke[k])};
   if (is_open) {
-    border_mm_ = distance_to_segment(middle, ring[0], ring[size_ - 1]);
+    border_mm_ = geometry::distance_to_segment(middle, ring[0], ring[size_ - 1]);
     ring_[0].y = 0.0;  // The walk of turns_once() begins on this axis.
   }
   for (std::size_t k = 0; k < faces(); ++k) {

@@ -9,6 +9,8 @@
 #include "triangle_tree.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/geometry/segment.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::mesh {
 namespace {
@@ -17,44 +19,7 @@ namespace {
 // normals that cancel, and its direction would depend on the order of the sum.
 constexpr double kCancelled_rad = 1e-6;
 
-// Returns 0 at a … 1 at b.
-double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length_squared = d.squaredNorm();
-  return length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
-}
-
 }  // namespace
-
-// Tests the Voronoi regions of the triangle's features (Ericson, Real-Time Collision Detection, 5.1.5).
-Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0};
-  const Vec3 bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    const double v = d1 / (d1 - d3);
-    return {1 - v, v, 0};
-  }
-  const Vec3 cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    const double w = d2 / (d2 - d6);
-    return {1 - w, 0, w};
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && (d4 - d3) >= 0.0 && (d5 - d6) >= 0.0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
-}
 
 Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)), neighbour_(neighbours_of(mesh_)) {
   compute_normals();
@@ -72,7 +37,7 @@ void Surface::compute_normals() {
     face_normal_.push_back(n.normalized());
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = (p[at((k + 1) % 3)] - p[at(k)]).normalized(), v = (p[at((k + 2) % 3)] - p[at(k)]).normalized();
-      vertex_normal_[at(f[at(k)])] += std::acos(std::clamp(u.dot(v), -1.0, 1.0)) * face_normal_.back();
+      vertex_normal_[at(f[at(k)])] += geometry::angle_between(u, v) * face_normal_.back();
     }
   }
   for (Vec3& n : vertex_normal_) n = n.norm() > kCancelled_rad ? Vec3(n.normalized()) : Vec3::Zero();
@@ -115,7 +80,7 @@ void Surface::faces_within(const Vec3& query_mm, double distance_mm,
   face_tree_.nearest(query_mm, limit, [&](int face) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
-    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const Vec3 weights = geometry::closest_on_triangle(query_mm, a, b, c);
     const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - query_mm).squaredNorm();
     if (squared < limit) faces.emplace_back(squared, FaceIndex(face));
   });
@@ -125,7 +90,7 @@ BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
   const auto& [face, side, beyond] = border_sides_[at(item)];
   const auto& f = mesh_.faces[at(face)];
   const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
-  const double t = closest_on_segment(query_mm, a, b);
+  const double t = geometry::part_of_segment(query_mm, a, b);
   BorderPoint closest{{a + t * (b - a), face, Vec3::Zero(), 0.0}, side, beyond};
   closest.point.barycentric[side] = 1.0 - t;
   closest.point.barycentric[(side + 1) % 3] = t;

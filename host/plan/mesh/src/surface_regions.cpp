@@ -13,6 +13,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/geometry/segment.hpp"
 
 namespace triskin::mesh {
 namespace {
@@ -29,12 +30,6 @@ constexpr double kReachStep_mm = 0.005,
                  kReachPart = 0.05;  // keep_out_mm() is found to this share of what exceeds 1 mm.
 constexpr double kMaxHeight_mm = 200.0;
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
-
-double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
-  const Vec3 d = s[1] - s[0];
-  const double x = std::clamp((p - s[0]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (p - s[0] - x * d).norm();
-}
 
 [[noreturn]] void refuse_region(const design::Region& r, const std::string& what) {
   throw InputError(fmt::format("region \"{}\": {}; see docs/regions.md", r.name, what));
@@ -152,7 +147,8 @@ void SurfaceRegions::prepare_border(std::size_t region, const design::BorderStri
 double SurfaceRegions::near_border_mm(std::size_t region, double margin_mm, const Vec3& p) const {
   double best = kFar;
   borders_[region].tree.nearest(p, best, [&](int edge) {
-    const double distance = distance_to_segment(p, borders_[region].edges[at(edge)]);
+    const auto& [from, to] = borders_[region].edges[at(edge)];
+    const double distance = geometry::distance_to_segment(p, from, to);
     best = std::min(best, distance * distance);
   });
   return margin_mm - std::sqrt(best);
@@ -188,7 +184,7 @@ double SurfaceRegions::inside_mm(std::size_t region, const Vec3& p, FaceIndex fa
     return near_border_mm(region, strip->margin_mm, p);
   const Group& group = groups_[region];
   double least = 1e6;  // No surface has points this far away.
-  for (const auto& edge : group.rim) least = std::min(least, distance_to_segment(p, edge));
+  for (const auto& [from, to] : group.rim) least = std::min(least, geometry::distance_to_segment(p, from, to));
   return group.holds[at(face)] ? least : -least;
 }
 
@@ -343,7 +339,7 @@ double distance_beside(const std::array<Vec3, 3>& corner_mm, double corner_cut_m
   bool is_inside = true;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vec3 &a = points[k], &b = points[(k + 1) % points.size()];
-    least = std::min(least, distance_to_segment(p, {a, b}));
+    least = std::min(least, geometry::distance_to_segment(p, a, b));
     is_inside = is_inside && n.cross(b - a).dot(p - a) >= 0.0;
   }
   return is_inside ? 0.0 : least;

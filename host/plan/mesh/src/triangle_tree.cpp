@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "triskin/base/index.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace triskin::mesh {
 
@@ -28,7 +29,7 @@ SurfacePoint closest_face_point(const Bvh& tree, const Mesh& mesh, const Vec3& q
   tree.nearest(query_mm, best_squared, [&](int face) {
     const auto& f = mesh.faces[at(face)];
     const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
-    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const Vec3 weights = geometry::closest_on_triangle(query_mm, a, b, c);
     const Vec3 p = weights[0] * a + weights[1] * b + weights[2] * c;
     const double squared = (p - query_mm).squaredNorm();
     if (squared < best_squared) {

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::hardware {
 namespace {
 
@@ -30,13 +32,6 @@ ContactState on_line(const Contact& c, std::uint64_t after_us, std::uint64_t pas
   if (pass_us - after_us < c.fall_us)
     state.force_n *= static_cast<double>(pass_us - after_us) / static_cast<double>(c.fall_us);
   return state;
-}
-
-double distance_to_segment_mm(const design::Vec3& from, const design::Vec3& to, const design::Vec3& point) {
-  const design::Vec3 path = to - from;
-  const double length2 = path.squaredNorm();
-  const double part = length2 > 0.0 ? std::clamp((point - from).dot(path) / length2, 0.0, 1.0) : 0.0;
-  return (point - from - part * path).norm();
 }
 
 // Calls `visit` with both ends of each straight segment of the path and the largest radius on it.
@@ -73,7 +68,7 @@ std::uint64_t end_of(const Contact& contact) {
 double distance_mm(const Contact& contact, const design::Vec3& point_mm) {
   double nearest_mm = std::numeric_limits<double>::infinity();
   each_part(contact, [&](const design::Vec3& from, const design::Vec3& to, double) {
-    nearest_mm = std::min(nearest_mm, distance_to_segment_mm(from, to, point_mm));
+    nearest_mm = std::min(nearest_mm, geometry::distance_to_segment(point_mm, from, to));
   });
   return nearest_mm;
 }
@@ -81,7 +76,7 @@ double distance_mm(const Contact& contact, const design::Vec3& point_mm) {
 bool reaches(const Contact& contact, const design::Vec3& point_mm) {
   bool reached = false;
   each_part(contact, [&](const design::Vec3& from, const design::Vec3& to, double radius_mm) {
-    reached = reached || distance_to_segment_mm(from, to, point_mm) < radius_mm;
+    reached = reached || geometry::distance_to_segment(point_mm, from, to) < radius_mm;
   });
   return reached;
 }

@@ -6,38 +6,20 @@
 #include <array>
 #include <cmath>
 
+#include "triskin/geometry/triangle.hpp"
+
 namespace triskin::hardware {
 namespace {
 
 using design::Vec3;
-using Triangle = std::array<Vec3, 3>;
-
-Vec3 nearest_on_edge(const Vec3& a, const Vec3& b, const Vec3& point) {
-  const Vec3 edge = b - a;
-  return a + edge * std::clamp((point - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-}
-
-// If the point projects into the triangle, the nearest point is its projection on the plane; otherwise it lies on an
-// edge.
-Vec3 nearest_on_triangle(const Triangle& t, const Vec3& point) {
-  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-  bool inside = true;
-  Vec3 nearest = t[0];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
-    inside = inside && normal.cross(b - a).dot(point - a) >= 0.0;
-    const Vec3 on_edge = nearest_on_edge(a, b, point);
-    if ((on_edge - point).squaredNorm() < (nearest - point).squaredNorm()) nearest = on_edge;
-  }
-  return inside ? Vec3(point - normal * normal.dot(point - t[0])) : nearest;
-}
+using geometry::Triangle;
 
 }  // namespace
 
 std::optional<SkinPlace> nearest_place(const design::Design& design, const Vec3& point_mm) {
   std::optional<SkinPlace> best;
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
-    const Vec3 at = nearest_on_triangle(design.layout.modules[m].corner_mm, point_mm);
+    const Vec3 at = geometry::closest_point_on_triangle(point_mm, design.layout.modules[m].corner_mm);
     const double distance_mm = (at - point_mm).norm();
     if (!best || distance_mm < best->distance_mm) best = SkinPlace{at, layout::ModuleId{m}, distance_mm};
   }
@@ -59,7 +41,7 @@ std::optional<SkinPlace> place_on_ray(const design::Design& design, const Vec3& 
     if (std::abs(steepness) < 1e-9) continue;
     const double way_mm = normal.dot(t[0] - from_mm) / steepness;
     if (way_mm < 0.0) continue;
-    const Vec3 crossing = from_mm + way_mm * along, at = nearest_on_triangle(t, crossing);
+    const Vec3 crossing = from_mm + way_mm * along, at = geometry::closest_point_on_triangle(crossing, t);
     const double beside_mm = (at - crossing).norm();
     const double score_mm = way_mm + kPenaltyBeside * beside_mm;
     if (beside_mm > kMaxGap_mm || (best && score_mm >= best_mm)) continue;

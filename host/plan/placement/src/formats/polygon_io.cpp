@@ -15,6 +15,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
+#include "triskin/geometry/segment.hpp"
 
 namespace triskin::placement {
 namespace {
@@ -232,17 +233,10 @@ CGAL::Orientation side(const Edge& e, const Vec2& p) {
                            Kernel::Point_2(p.x(), p.y()));
 }
 
-double distance_mm(const Edge& e, const Vec2& p) {
-  const Vec2 along = e.b - e.a;
-  const double square = along.squaredNorm(),
-               t = square > 0.0 ? std::clamp((p - e.a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (p - e.a - t * along).norm();
-}
-
 // A vertex that was put on an edge and then rounded lies beside it by a few units in the last place.
 bool touches(const Edge& e, const Vec2& p) {
   const double largest = std::max({e.a.cwiseAbs().maxCoeff(), e.b.cwiseAbs().maxCoeff(), p.cwiseAbs().maxCoeff()});
-  return distance_mm(e, p) <= std::max(kTouching_mm, 4.0 * 0x1p-52 * largest);
+  return geometry::distance_to_segment(p, e.a, e.b) <= std::max(kTouching_mm, 4.0 * 0x1p-52 * largest);
 }
 
 // Returns true if the interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is

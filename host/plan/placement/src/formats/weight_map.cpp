@@ -11,6 +11,7 @@
 #include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
+#include "triskin/geometry/segment.hpp"
 #include "weight_regions.hpp"
 
 namespace triskin::placement {
@@ -43,9 +44,8 @@ std::pair<double, double> nearest_on_face(const Vec2& p, const std::array<Weight
   std::pair<double, double> best{0.0, 1e300};
   for (std::size_t k = 0; k < 3; ++k) {
     const auto &from = face[k], &to = face[(k + 1) % 3];
-    const Vec2 d = to.at_mm - from.at_mm;
-    const double t = d.squaredNorm() > 0.0 ? std::clamp((p - from.at_mm).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;
-    const double far = (p - from.at_mm - t * d).squaredNorm();
+    const double t = geometry::part_of_segment(p, from.at_mm, to.at_mm);
+    const double far = (p - from.at_mm - t * (to.at_mm - from.at_mm)).squaredNorm();
     if (far < best.second) best = {from.weight + t * (to.weight - from.weight), far};
   }
   return best;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "triskin/geometry/segment.hpp"
+
 namespace triskin::placement {
 namespace {
 
@@ -41,13 +43,12 @@ EdgeGrid::EdgeGrid(const PreparedPolygon& polygon, double reach_mm) : reach_mm_(
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
   for (std::uint32_t k = 0; k < polygon.edges.size(); ++k) {
     const auto& [a, b] = polygon.edges[k];
-    const Vec2 d = b - a, low = a.cwiseMin(b) - Vec2::Constant(far), high = a.cwiseMax(b) + Vec2::Constant(far);
-    const double square = d.squaredNorm();
+    const Vec2 low = a.cwiseMin(b) - Vec2::Constant(far), high = a.cwiseMax(b) + Vec2::Constant(far);
     for (int j = index(low.y()); j <= index(high.y()); ++j) {
       for (int i = index(low.x()); i <= index(high.x()); ++i) {
-        const Vec2 p = Vec2(origin_ + (i + 0.5) * size, origin_ + (j + 0.5) * size) - a;
-        const double t = square > 0.0 ? std::clamp(p.dot(d) / square, 0.0, 1.0) : 0.0;
-        if ((p - t * d).squaredNorm() <= far * far) found.emplace_back(static_cast<std::uint32_t>(j * buckets_ + i), k);
+        const Vec2 p(origin_ + (i + 0.5) * size, origin_ + (j + 0.5) * size);
+        if (geometry::distance_to_segment(p, a, b) <= far)
+          found.emplace_back(static_cast<std::uint32_t>(j * buckets_ + i), k);
       }
     }
   }

@@ -93,8 +93,4 @@ class Surface {
   Bvh face_tree_, border_tree_;
 };
 
-/// Returns the closest point of triangle (a, b, c) to p as barycentric weights (>= 0, sum 1). Constant cost. Source: C.
-/// Ericson, Real-Time Collision Detection, 5.1.5.
-[[nodiscard]] Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
-
 }  // namespace triskin::mesh
