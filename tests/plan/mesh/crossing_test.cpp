@@ -10,15 +10,15 @@
 
 #include "plan/mesh/broken_meshes.hpp"
 #include "plan/mesh/distances.hpp"
-#include "triskin/base/error.hpp"
 #include "plan/mesh/src/crossing_search.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin {
 namespace {
 
-using mesh::find_crossings;
 using design::Mesh;
 using design::Vec3;
+using mesh::find_crossings;
 using Pairs = std::vector<std::pair<int, int>>;
 
 Pairs crossings_of(const Mesh& mesh, const mesh::CrossingSearch& search = {}) {
@@ -114,7 +114,8 @@ TEST(Crossings, are_those_that_cgal_finds) {
       Mesh mesh = test::read_back(test::grid_of(shape.place, 20, 14));
       damage.make(mesh, dice);
       try {
-        mesh = mesh::repair_topology(test::read_back(mesh)).surface;
+        ExtractReport unused;
+        mesh = mesh::joined(test::read_back(mesh), unused);
       } catch (const InputError&) {
         continue;  // The mesh is shattered.
       }

@@ -10,8 +10,14 @@
 #include <limits>
 #include <vector>
 
+#include "join_seams.hpp"
+
 namespace triskin::mesh {
 namespace {
+
+// Twice the cell of welding, by which the two sides of a seam may have been moved apart, as a share of the size.
+constexpr double kSeamReach = 2e-7;
+constexpr int kSeamRounds = 3;
 
 std::size_t hash_of(const auto& three) {
   std::size_t hash = 0;
@@ -123,6 +129,15 @@ void clean(Mesh& mesh, MeshReadReport& report, Corners corners) {
   drop_unused_vertices(mesh);
   if (corners == Corners::kWelded) weld(mesh, report);
   drop_bad_faces(mesh, report);
+  // A face without area may have been all that joined its neighbours, so seams are joined after it is gone. Joining can
+  // leave new ones.
+  const double reach_mm = kSeamReach * diagonal_of(mesh);
+  for (int round = 0; round < kSeamRounds && corners == Corners::kWelded; ++round) {
+    const int before = report.joined_corners + report.welded_vertices;
+    join_seams(mesh, reach_mm, report);
+    if (report.joined_corners + report.welded_vertices == before) break;
+    drop_bad_faces(mesh, report);
+  }
   drop_unused_vertices(mesh);
 }
 

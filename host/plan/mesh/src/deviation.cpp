@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "dropped_parts.hpp"
 #include "triangle_tree.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/geometry/triangle.hpp"
@@ -31,30 +32,8 @@ constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the midd
 
 using geometry::Triangle, geometry::area_of;
 
-Triangle triangle_of(const Mesh& mesh, FaceIndex face) {
-  const auto& f = mesh.faces[at(face)];
-  return {mesh.vertices[at(f[0])], mesh.vertices[at(f[1])], mesh.vertices[at(f[2])]};
-}
-
 Vec3 middle_of(const Triangle& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
-}
-
-// Lists the corners of a face in a fixed order, so that the same triangle of two meshes has the same key.
-using Key = std::array<std::array<double, 3>, 3>;
-Key key_of(const Triangle& t) {
-  Key key;
-  for (std::size_t k = 0; k < 3; ++k) key[k] = {t[k].x(), t[k].y(), t[k].z()};
-  std::ranges::sort(key);
-  return key;
-}
-
-std::vector<Key> keys_of(const Mesh& mesh) {
-  std::vector<Key> keys;
-  keys.reserve(mesh.faces.size());
-  for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) keys.push_back(key_of(triangle_of(mesh, f)));
-  std::ranges::sort(keys);
-  return keys;
 }
 
 // Holds an upper bound of the distances of all points of some triangles, and the distance of one of them.
@@ -68,16 +47,20 @@ struct Bounds {
 class Way {
  public:
   Way(const Mesh& from, const std::vector<bool>& wanted, const Mesh& to) : to_(to) {
-    const std::vector<Key> same = keys_of(to);
+    const Triangles same(to);
     for (FaceIndex f{0}; f < static_cast<int>(from.faces.size()); ++f) {
       if (!wanted[at(f)]) continue;
       const Triangle t = triangle_of(from, f);
       area_ += area_of(t);
-      if (!std::ranges::binary_search(same, key_of(t))) changed_.push_back(t);
+      if (same.contains(t)) continue;
+      changed_.push_back(t);
+      changed_faces_.push_back(f);
     }
   }
 
   [[nodiscard]] std::span<Triangle> changed() { return changed_; }
+  /// Numbers the changed triangles in the mesh, as long as changed() was not reordered.
+  [[nodiscard]] const std::vector<FaceIndex>& changed_faces() const { return changed_faces_; }
 
   // Returns the mean over the area from the middles of the changed triangles, or from a sample at even steps of area if
   // there are many.
@@ -142,6 +125,7 @@ class Way {
 
   TriangleTree to_;
   std::vector<Triangle> changed_;
+  std::vector<FaceIndex> changed_faces_;
   double area_ = 0.0;
 };
 
@@ -260,6 +244,20 @@ Deviation deviation_between(const Mesh& input, const std::vector<bool>& outside,
   d.found_mm = search.known();
   d.where_mm = search.known_at();
   return d;
+}
+
+std::vector<DroppedPart> parts_beyond(const Mesh& input, const std::vector<bool>& counted, const Mesh& result,
+                                      double within_mm) {
+  std::vector<bool> others(counted.size());
+  for (std::size_t f = 0; f < others.size(); ++f) others[f] = !counted[f];
+  Way way(input, others, result);
+  std::vector<char> is_beyond(way.changed().size());
+  tbb::parallel_for(std::size_t{0}, is_beyond.size(), [&](std::size_t k) {
+    is_beyond[k] = way.bounds_of(way.changed()[k], within_mm).upper > within_mm;
+  });
+  std::vector<bool> is_dropped(input.faces.size());
+  for (std::size_t k = 0; k < is_beyond.size(); ++k) is_dropped[at(way.changed_faces()[k])] = is_beyond[k] != 0;
+  return parts_of_faces(input, is_dropped);
 }
 
 }  // namespace triskin::mesh

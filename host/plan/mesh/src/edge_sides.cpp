@@ -63,6 +63,13 @@ std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh) {
                   start(*repeats), mesh.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
 }
 
+int non_manifold_edges_of(const Mesh& mesh) {
+  int count = 0;
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) { count += edge.size() > 2 ? 1 : 0; });
+  return count;
+}
+
 std::vector<std::vector<VertexIndex>> border_loops_of(const Mesh& mesh,
                                                       const std::vector<std::array<FaceIndex, 3>>& neighbours) {
   std::multimap<VertexIndex, VertexIndex> next;  // The key is the start vertex; a pinched vertex has several edges.

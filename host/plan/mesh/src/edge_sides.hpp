@@ -41,6 +41,9 @@ class EdgeSides {
 /// edge has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
 [[nodiscard]] std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh);
 
+/// Counts the edges with more than two faces. Cost: that of EdgeSides.
+[[nodiscard]] int non_manifold_edges_of(const Mesh& mesh);
+
 /// Returns the border loops as vertex indices, with the surface on the left. Cost: O(n), and O(b log b) of b border
 /// edges.
 [[nodiscard]] std::vector<std::vector<VertexIndex>> border_loops_of(

@@ -9,6 +9,7 @@
 #include <span>
 #include <unordered_set>
 
+#include "dropped_parts.hpp"
 #include "edge_sides.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
@@ -24,18 +25,22 @@ int boundary_loops_of(const Mesh& mesh) {
   return static_cast<int>(border_loops_of(mesh, neighbours_of(mesh)).size());
 }
 
-class Extractor {
+// Joins faces over their edges, orients each part over them and rebuilds the vertices from the fans of joined faces.
+class Joiner {
  public:
-  explicit Extractor(const Mesh& mesh) : mesh_(mesh) {}
+  Joiner(const Mesh& mesh, SmallParts small_parts, ExtractReport& report)
+      : mesh_(mesh), small_parts_(small_parts), report_(report) {}
 
-  Extraction run() {
+  Mesh run() {
     pair_faces();
     orient_components();
-    keep_large_components();
+    choose_components();
     rebuild();
-    Extraction out{std::move(result_), report_};
-    out.report.boundary_loops = boundary_loops_of(out.surface);
-    return out;
+    if (std::ranges::count(is_dropped_, true) > 0) {
+      const std::vector<DroppedPart> dropped = parts_of_faces(mesh_, is_dropped_);
+      report_.dropped.insert(report_.dropped.end(), dropped.begin(), dropped.end());
+    }
+    return std::move(result_);
   }
 
  private:
@@ -52,7 +57,6 @@ class Extractor {
     const EdgeSides sides(mesh_);
     sides.each_edge([&](std::span<const EdgeSide> edge) {
       if (edge.size() < 2) return;
-      report_.non_manifold_edges += edge.size() > 2 ? 1 : 0;
       has_unjoined_ = has_unjoined_ || edge.size() > 2 || edge[0].low == edge[0].high || edge[0].face == edge[1].face;
       const auto [first, second] = flattest_pair(edge);
       const EdgeSide &a = edge[first], &b = edge[second];
@@ -139,9 +143,9 @@ class Extractor {
     }
   }
 
-  void keep_large_components() {
-    keep_.assign(areas_.size(), false);
-    for (std::size_t k = 0; k < areas_.size(); ++k) {
+  void choose_components() {
+    keep_.assign(areas_.size(), true);
+    for (std::size_t k = 0; k < areas_.size() && small_parts_ == SmallParts::kDropped; ++k) {
       keep_[k] = areas_[k] >= kModuleArea_mm2;
       report_.removed_components += keep_[k] ? 0 : 1;
     }
@@ -158,9 +162,10 @@ class Extractor {
     if (has_unjoined_) used_edges_.reserve(3 * mesh_.faces.size());
     result_.faces.reserve(mesh_.faces.size());
     result_.vertices.reserve(mesh_.vertices.size());
+    is_dropped_.assign(mesh_.faces.size(), false);
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
       if (!keep_[at(component_[f])]) {
-        ++report_.removed_faces;
+        drop(f);
         continue;
       }
       for (int k = 0; k < 3; ++k) {
@@ -168,28 +173,37 @@ class Extractor {
       }
       std::array<int, 3> face = vertex[f];
       if (flipped_[f]) std::swap(face[1], face[2]);
-      add_face(face);
+      if (!has_unjoined_ || is_free(face))
+        result_.faces.push_back(face);
+      else if (small_parts_ == SmallParts::kDropped)
+        drop(f);
+      else
+        add_alone(face);
     }
   }
 
-  // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere; the later one is
-  // dropped.
-  void add_face(const std::array<int, 3>& face) {
-    if (!has_unjoined_) {
-      result_.faces.push_back(face);
-      return;
-    }
+  void drop(std::size_t face) {
+    is_dropped_[face] = true;
+    ++report_.removed_faces;
+  }
+
+  // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere; then only the first
+  // has it. Takes the edges of a face that is free.
+  [[nodiscard]] bool is_free(const std::array<int, 3>& face) {
     const auto edge = [&](std::size_t k) {
       return static_cast<std::uint64_t>(face[k]) << 32U | static_cast<std::uint64_t>(face[(k + 1) % 3]);
     };
     for (std::size_t k = 0; k < 3; ++k) {
-      if (used_edges_.contains(edge(k))) {
-        ++report_.removed_faces;
-        return;
-      }
+      if (used_edges_.contains(edge(k))) return false;
     }
     for (std::size_t k = 0; k < 3; ++k) used_edges_.insert(edge(k));
-    result_.faces.push_back(face);
+    return true;
+  }
+
+  void add_alone(const std::array<int, 3>& face) {
+    const int first = static_cast<int>(result_.vertices.size());
+    for (const int v : face) result_.vertices.push_back(Vec3(result_.vertices[at(v)]));
+    result_.faces.push_back({first, first + 1, first + 2});
   }
 
   void spread(FaceIndex face, int k, std::vector<std::array<int, 3>>& vertex) {
@@ -224,7 +238,9 @@ class Extractor {
   std::vector<FaceIndex> fan_;
   bool has_unjoined_ = false;                     // True if some faces meet at an edge without being neighbours there.
   std::unordered_set<std::uint64_t> used_edges_;  // Each key packs a directed edge, from vertex and to vertex.
-  ExtractReport report_;
+  std::vector<bool> is_dropped_;
+  SmallParts small_parts_;
+  ExtractReport& report_;
 };
 
 constexpr unsigned kWrap_s = 600;   // This limit is processor time.
@@ -255,86 +271,12 @@ double largest_share(const Mesh& mesh) {
   return largest / area_of(mesh);
 }
 
-// The counts of the earlier steps stay in the report.
-void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
-  if (mesh.faces.empty()) throw InputError(fmt::format("surface: {} leaves nothing", step));
-  const ExtractReport before = e.report;
-  e = Extractor(mesh).run();
-  e.report.removed_components += before.removed_components;
-  e.report.removed_faces += before.removed_faces;
-  e.report.flipped_faces += before.flipped_faces;
-  e.report.non_manifold_edges = before.non_manifold_edges;
-  e.report.outer = before.outer;
-  e.report.wrapped = before.wrapped;
-  e.report.repair = before.repair;
-  e.report.crossings = before.crossings;
-  e.report.deviation = before.deviation;
-}
-
 bool messy(const ExtractReport& r) {
   return r.components > 1 || r.non_manifold_edges > 0;
 }
 
-void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSink& progress) {
-  report(progress, "looking for the outside", 0.3);
-  const std::size_t before = e.surface.faces.size();
-  e.report.outer = true;
-  repair_again(e, outer_faces(e.surface, options.visibility_fraction, kVisibilityTimeShare * options.repair_s),
-               "dropping the faces that see little of the sky");
-  e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
-}
-
-// Takes the requested steps as they are; the result may be one that design() refuses.
-Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
-  using When = ExtractOptions::When;
-  Extraction e = repair_topology(mesh);
-  const bool was_messy = messy(e.report);
-  if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && was_messy))
-    drop_hidden(e, options, progress);
-  const bool bad = options.wrap == When::kWhenNeeded && was_messy &&
-                   (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
-  if (options.wrap != When::kAlways && !bad) return e;
-  report(progress, "wrapping", 0.6);
-  const auto wrap = wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm, kWrap_s, {});
-  if (!wrap)
-    throw InputError(fmt::format("surface: the wrap takes longer than {} s; give a larger --wrap-alpha-mm", kWrap_s));
-  e.report.wrapped = true;
-  repair_again(e, *wrap, "wrapping");
-  if (options.outer != When::kNever) drop_hidden(e, options, progress);
-  return e;
-}
-
-// Takes the requested steps if they lead to a surface that design() accepts, and repairs otherwise.
-Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
-                                const ProgressSink& progress) {
-  ExtractOptions first = options;
-  if (first.wrap == ExtractOptions::When::kWhenNeeded) first.wrap = ExtractOptions::When::kNever;
-  try {
-    Extraction e = stepwise(mesh, first, progress);
-    const bool shattered = messy(e.report) && e.report.outer && largest_share(e.surface) < kShattered;
-    if (!shattered && usable(e.surface)) return e;
-  } catch (const InputError&) {
-    // Nothing remains after the steps alone.
-  }
-  return repaired(mesh, options, time, progress);
-}
-
-// Decimates a mesh if its joined part has more faces than the repair has time for. Returns nothing if it has not, or if
-// too much would be missing.
-std::optional<DecimatedMesh> decimated(const Mesh& mesh, const std::optional<Extraction>& joined, std::size_t most) {
-  if (!joined || joined->surface.faces.size() <= most || area_of(joined->surface) < (1.0 - kLooseShare) * area_of(mesh))
-    return std::nullopt;
-  return decimate(Surface(joined->surface), kMaxReduced_mm, kMaxReduced_mm, all_threads(), most);
-}
-
-// Copies into the report of a repair what is known about the mesh with which it began.
-void add_reduction(ExtractReport& report, const ExtractReport& before, const DecimatedMesh& reduction) {
-  report.reduced_mm = std::max(reduction.deviation_mm, reduction.border_mm);
-  report.deviation.largest_mm += report.reduced_mm;
-  report.deviation.mean_mm += report.reduced_mm;
-  report.removed_components += before.removed_components;
-  report.flipped_faces += before.flipped_faces;
-  report.non_manifold_edges = before.non_manifold_edges;
+void require_faces(const Mesh& mesh, const char* step) {
+  if (mesh.faces.empty()) throw InputError(fmt::format("surface: {} leaves nothing", step));
 }
 
 void require_area_of_module(const Mesh& mesh) {
@@ -343,53 +285,114 @@ void require_area_of_module(const Mesh& mesh) {
                                  area_mm2 / 100.0));
 }
 
-void drop_enclosed_parts(Extraction& e) {
-  e.report.enclosed_components = drop_enclosed(e.surface);
-  e.report.components -= e.report.enclosed_components;
+Mesh without_hidden(const Mesh& mesh, const ExtractOptions& options, ExtractReport& r, const ProgressSink& progress) {
+  report(progress, "looking for the outside", 0.3);
+  r.outer = true;
+  const Mesh seen = outer_faces(mesh, options.visibility_fraction, kVisibilityTimeShare * options.repair_s);
+  require_faces(seen, "dropping the faces that see little of the sky");
+  name_dropped(mesh, seen, r.dropped);
+  r.removed_faces += static_cast<int>(mesh.faces.size() - seen.faces.size());
+  return joined(seen, r);
 }
 
-Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+// Takes the steps that are asked for as they are; the result may be one that design() refuses.
+Mesh with_steps(const Mesh& mesh, const ExtractOptions& options, ExtractReport& r, const ProgressSink& progress) {
+  using When = ExtractOptions::When;
+  Mesh surface = joined(mesh, r);
+  const bool was_messy = messy(r);
+  if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && was_messy))
+    surface = without_hidden(surface, options, r, progress);
+  const bool bad = options.wrap == When::kWhenNeeded && was_messy &&
+                   (largest_share(surface) < kShattered || crosses_itself(surface));
+  if (options.wrap != When::kAlways && !bad) return surface;
+  report(progress, "wrapping", 0.6);
+  const auto wrap = wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm, kWrap_s, {});
+  if (!wrap)
+    throw InputError(fmt::format("surface: the wrap takes longer than {} s; give a larger --wrap-alpha-mm", kWrap_s));
+  require_faces(*wrap, "wrapping");
+  r.wrapped = true;
+  surface = joined(*wrap, r);
+  return options.outer == When::kNever ? surface : without_hidden(surface, options, r, progress);
+}
+
+// Decimates the joined part of a mesh if it has more faces than the repair has time for. Returns nothing if it has not,
+// or if too much would be missing.
+std::optional<DecimatedMesh> decimated(const Mesh& mesh, const std::optional<Mesh>& joined, std::size_t max_faces) {
+  if (!joined || joined->faces.size() <= max_faces || area_of(*joined) < (1.0 - kLooseShare) * area_of(mesh))
+    return std::nullopt;
+  return decimate(Surface(*joined), kMaxReduced_mm, kMaxReduced_mm, all_threads(), max_faces);
+}
+
+// Makes what design() accepts: the joined mesh, or else the result of the steps that are asked for, or else a repair. A
+// mesh that is not accepted and has too many faces for the time is reduced before.
+Mesh made_usable(const Mesh& mesh, const ExtractOptions& options, ExtractReport& r, const ProgressSink& progress) {
   const RepairTime time(options);
   // A wrap has both sides of a sheet, so it would make a sheet that is too small large enough.
   require_area_of_module(mesh);
-  const auto most = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
-  UsableTest test;
+  const auto max_faces = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
+  std::optional<DecimatedMesh> reduction;
   // A fault is usually found soon; if there is none, the repair needs no time.
-  if (options.keep_usable || mesh.faces.size() > most) test = test_usable(mesh, time.part(1.0));
-  if (test.is_usable && options.keep_usable) return std::move(*test.joined);
-  const auto reduction = test.is_usable ? std::nullopt : decimated(mesh, test.joined, most);
-  if (!reduction) return stepwise_or_repaired(mesh, options, time, progress);
-  Extraction e = stepwise_or_repaired(reduction->mesh, options, time, progress);
-  add_reduction(e.report, test.joined->report, *reduction);
-  return e;
+  if (options.keep_usable || mesh.faces.size() > max_faces) {
+    ExtractReport tried = r;
+    UsableTest test = test_usable(mesh, tried, time.part(1.0));
+    if (!test.is_usable) reduction = decimated(mesh, test.joined, max_faces);
+    if (reduction) tried.reduced_mm = std::max(reduction->deviation_mm, reduction->border_mm);
+    if (reduction || (test.is_usable && options.keep_usable)) r = tried;
+    if (test.is_usable && options.keep_usable) return std::move(*test.joined);
+  }
+  const Mesh& start = reduction ? reduction->mesh : mesh;
+  ExtractOptions steps = options;
+  if (steps.wrap == ExtractOptions::When::kWhenNeeded) steps.wrap = ExtractOptions::When::kNever;
+  ExtractReport tried = r;
+  try {
+    Mesh surface = with_steps(start, steps, tried, progress);
+    const bool shattered = messy(tried) && tried.outer && largest_share(surface) < kShattered;
+    if (!shattered && usable(surface)) {
+      r = tried;
+      return surface;
+    }
+  } catch (const InputError&) {
+    // Nothing remains after the steps alone.
+  }
+  return repaired(start, options, time, r, progress);
 }
 
 }  // namespace
 
-Extraction repair_topology(const Mesh& mesh) {
-  return Extractor(mesh).run();
+Mesh joined(const Mesh& mesh, ExtractReport& report, SmallParts small_parts) {
+  return Joiner(mesh, small_parts, report).run();
 }
 
 Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
-  report(progress, "extracting", 0.0);
-  return repair_topology(mesh);
+  return extract(mesh, ExtractOptions{}, progress);
 }
 
 Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
   report(progress, "extracting", 0.0);
-  Extraction e = options.repair ? chosen(mesh, options, progress) : stepwise(mesh, options, progress);
+  Extraction e;
+  ExtractReport& r = e.report;
+  r.non_manifold_edges = non_manifold_edges_of(mesh);
+  e.surface = options.repair ? made_usable(mesh, options, r, progress) : with_steps(mesh, options, r, progress);
+  r.deviation.largest_mm += r.reduced_mm;
+  r.deviation.mean_mm += r.reduced_mm;
   if (!options.spheres.empty() || !options.boxes.empty() || options.keep_out) {
     report(progress, "keeping out", 0.9);
     const double before_mm2 = area_of(e.surface);
     const Mesh kept = without_keep_outs(e.surface, options);
-    repair_again(e, kept, "taking the keep-outs away");
+    require_faces(kept, "taking the keep-outs away");
+    e.surface = joined(kept, r);
     if (options.repair && !usable(e.surface))
-      e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s).surface;
-    e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
+      e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s, r);
+    r.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
-  if (options.repair && options.outer != ExtractOptions::When::kNever) drop_enclosed_parts(e);
-  if (options.repair) e.report.flipped_faces += turn_outward(e.surface);
-  e.report.boundary_loops = boundary_loops_of(e.surface);
+  if (options.repair && options.outer != ExtractOptions::When::kNever) {
+    const Mesh before = e.surface;
+    r.enclosed_components = drop_enclosed(e.surface);
+    r.components -= r.enclosed_components;
+    if (r.enclosed_components > 0) name_dropped(before, e.surface, r.dropped);
+  }
+  if (options.repair) r.flipped_faces += turn_outward(e.surface);
+  r.boundary_loops = boundary_loops_of(e.surface);
   return e;
 }
 

@@ -14,13 +14,13 @@
 #include <span>
 
 #include "clean.hpp"
+#include "crossing_search.hpp"
 #include "edge_sides.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
 #include "triangle_tree.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
-#include "crossing_search.hpp"
 #include "triskin/mesh/extract_steps.hpp"
 #include "triskin/mesh/surface.hpp"
 
@@ -67,7 +67,7 @@ bool changed_by_cleaning(const Mesh& mesh) {
   Mesh copy = mesh;
   MeshReadReport changes;
   clean(copy, changes);
-  return changes.welded_vertices + changes.degenerate_faces + changes.duplicate_faces > 0;
+  return changes.welded_vertices + changes.joined_corners + changes.degenerate_faces + changes.duplicate_faces > 0;
 }
 
 std::vector<bool> border_vertices(const Mesh& mesh) {
@@ -192,7 +192,8 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
   const auto work = [&] {
     Mesh m = mesh;
     for (int round = 0; round < kRoundsDivided && (round == 0 || used_s() < half_s); ++round) {
-      const Mesh whole = repair_topology(m).surface;
+      ExtractReport unused;
+      const Mesh whole = joined(m, unused, SmallParts::kKept);
       const Pairs crossings = crossing_faces(whole, 1);
       if (crossings.empty()) break;
       Mesh next = arranged(whole, crossings);
@@ -350,10 +351,11 @@ Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm, const IsLate
 
 class Repairer {
  public:
-  Repairer(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time, const ProgressSink& progress)
-      : mesh_(mesh), options_(options), time_(time), progress_(progress) {}
+  Repairer(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time, const ExtractReport& before,
+           const ProgressSink& progress)
+      : mesh_(mesh), options_(options), time_(time), progress_(progress), before_(before) {}
 
-  Extraction run() {
+  Mesh run(ExtractReport& report) {
     local();
     if (options_.wrap != ExtractOptions::When::kNever) {
       if (!good()) wrap(options_.wrap_alpha_mm);
@@ -361,7 +363,10 @@ class Repairer {
     }
     if (!best_)
       throw InputError("surface: no part as large as one module (3.9 cm²); check the mesh and its unit (--unit)");
-    return std::move(*best_);
+    report = std::move(best_->report);
+    const auto hidden = parts_beyond(reference_.mesh, reference_.outside, best_->surface, report.deviation.largest_mm);
+    report.dropped.insert(report.dropped.end(), hidden.begin(), hidden.end());
+    return std::move(best_->surface);
   }
 
  private:
@@ -375,16 +380,18 @@ class Repairer {
 
   void local() {
     report(progress_, "dividing faces that cross", 0.1);
-    Mesh input = mesh_;
+    ExtractReport all = before_;
+    Mesh input = joined(mesh_, all, SmallParts::kKept);
     try {
-      Extraction e = repair_topology(mesh_);
-      crossings_ = static_cast<int>(crossing_faces(e.surface).size());
-      before_ = e.report;
-      if (area_of(e.surface) >= (1.0 - kLooseShare) * area_of(mesh_)) input = std::move(e.surface);
+      Mesh large = joined(mesh_, before_);
+      if (area_of(large) >= (1.0 - kLooseShare) * area_of(mesh_))
+        input = std::move(large);
+      else
+        before_ = std::move(all);  // Too much is loose to be dropped by name: all of the input counts.
     } catch (const InputError&) {
-      // The input is shattered, so only the wraps help.
-      crossings_ = static_cast<int>(crossing_faces(mesh_).size());
+      before_ = std::move(all);  // The input is shattered, so only the wraps help.
     }
+    before_.crossings = static_cast<int>(crossing_faces(input).size());
     const auto parts = divided(input, time_);
     reference_ = reference_of(parts ? *parts : input, options_.visibility_fraction, visibility_s());
     try_settling(without_hidden_parts(reference_.mesh, visibility_s()), Repair::kLocal,
@@ -421,17 +428,14 @@ class Repairer {
   void try_settling(const Mesh& mesh, Repair way, bool outer) {
     try {
       report(progress_, "settling the repair", -1.0);
-      const Mesh seen =
-          outer ? outer_faces(repair_topology(mesh).surface, options_.visibility_fraction, visibility_s()) : mesh;
-      Extraction e = remove_crossings(seen, visibility_s(), time_.part(kSettleShare));
+      Extraction e{{}, before_};
       ExtractReport& r = e.report;
-      r.removed_components += before_.removed_components;
-      r.flipped_faces += before_.flipped_faces;
-      r.non_manifold_edges = before_.non_manifold_edges;
       r.outer = outer;
       r.wrapped = way != Repair::kLocal;
       r.repair = way;
-      r.crossings = crossings_;
+      const Mesh seen = outer ? outer_faces(joined(mesh, r), options_.visibility_fraction, visibility_s()) : mesh;
+      e.surface = remove_crossings(seen, visibility_s(), r, time_.part(kSettleShare));
+      r.dropped = before_.dropped;  // The deviation counts all that was dropped since.
       report(progress_, "measuring the repair", 0.9);
       r.deviation = deviation_between(reference_.mesh, reference_.outside, e.surface, time_.part(kMeasureShare));
       r.deviation.largest_mm += kWelding * diagonal_of(mesh_);
@@ -446,56 +450,55 @@ class Repairer {
   const RepairTime& time_;
   const ProgressSink& progress_;
   Reference reference_;
-  ExtractReport before_;
-  int crossings_ = 0;
+  ExtractReport before_;  // What every way begins with.
   std::optional<Extraction> best_;
 };
 
 }  // namespace
 
-UsableTest test_usable(const Mesh& mesh, const IsLate& is_late) {
+UsableTest test_usable(const Mesh& mesh, ExtractReport& report, const IsLate& is_late) {
   UsableTest test;
   if (mesh.faces.empty()) return test;
   try {
-    test.joined = repair_topology(mesh);
+    test.joined = joined(mesh, report);
   } catch (const InputError&) {
     return test;
   }
-  ExtractReport& r = test.joined->report;
-  if (r.non_manifold_edges > 0 || changed_by_cleaning(mesh)) return test;
-  const Mesh& surface = test.joined->surface;
-  const Crossings found = find_crossings(surface, {.threads = all_threads(), .any_one = true, .is_late = is_late});
+  if (non_manifold_edges_of(mesh) > 0 || changed_by_cleaning(mesh)) return test;
+  const Crossings found = find_crossings(*test.joined, {.threads = all_threads(), .any_one = true, .is_late = is_late});
   test.is_usable = found.pairs.empty();
-  if (test.is_usable) r.tested = static_cast<double>(found.tested) / static_cast<double>(surface.faces.size());
+  if (test.is_usable)
+    report.tested = static_cast<double>(found.tested) / static_cast<double>(test.joined->faces.size());
   return test;
 }
 
 bool usable(const Mesh& mesh) {
-  return test_usable(mesh).is_usable;
+  ExtractReport unused;
+  return test_usable(mesh, unused).is_usable;
 }
 
-Extraction remove_crossings(const Mesh& mesh, double visibility_s, const IsLate& is_late) {
+Mesh remove_crossings(const Mesh& mesh, double visibility_s, ExtractReport& report, const IsLate& is_late) {
   Mesh m = mesh;
   for (int round = 0;; ++round) {
     MeshReadReport changes;
     clean(m, changes);
-    Extraction e = repair_topology(m);
-    if (round < kRoundsApart) draw_apart(e.surface);
-    const Pairs crossings = crossing_faces(e.surface);
+    Mesh surface = joined(m, report);
+    if (round < kRoundsApart) draw_apart(surface);
+    const Pairs crossings = crossing_faces(surface);
     if (!crossings.empty()) {
-      m = without_crossings(e.surface, crossings, visibility_s, late(is_late));
-    } else if (!usable(e.surface)) {
-      m = std::move(e.surface);
+      m = without_crossings(surface, crossings, visibility_s, late(is_late));
+    } else if (!usable(surface)) {
+      m = std::move(surface);
     } else {
-      close_slits(e.surface, is_late);
-      return e;
+      close_slits(surface, is_late);
+      return surface;
     }
   }
 }
 
-Extraction repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
-                    const ProgressSink& progress) {
-  return Repairer(mesh, options, time, progress).run();
+Mesh repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time, ExtractReport& report,
+              const ProgressSink& progress) {
+  return Repairer(mesh, options, time, report, progress).run(report);
 }
 
 }  // namespace triskin::mesh

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "command.hpp"
+#include "face_options.hpp"
 #include "mesh_options.hpp"
 #include "number_list.hpp"
 #include "part_text.hpp"
@@ -19,8 +22,6 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "command.hpp"
-#include "face_options.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
@@ -58,8 +59,18 @@ void take_keep_outs(Options& o) {
   if (!o.keep_out.empty()) o.steps.keep_out = mesh::read_mesh(o.keep_out, o.unit.unit).mesh;
 }
 
+nlohmann::json dropped_of(const mesh::ExtractReport& report) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const mesh::DroppedPart& part : report.dropped) {
+    const design::Vec3& p = part.where_mm;
+    list.push_back({{"area_cm2", part.area_mm2 / 100.0}, {"faces", part.faces}, {"where_mm", {p.x(), p.y(), p.z()}}});
+  }
+  return list;
+}
+
 nlohmann::json keys_of(const mesh::ExtractReport& report) {
-  return {{"removed_components", report.removed_components},
+  return {{"dropped", dropped_of(report)},
+          {"removed_components", report.removed_components},
           {"enclosed_components", report.enclosed_components},
           {"flipped_faces", report.flipped_faces},
           {"components", report.components},
@@ -93,16 +104,19 @@ int run(Options options, Output& output) {
                             output);
   if (!options.picture.empty()) write_output(options.picture, side_svg(e.surface, taken.choice));
   mesh::BridgeReport bridges;
-  if (options.side.bridge_mm() > 0.0)
-    bridges = mesh::bridge_holes(taken.surface, e.surface, options.side.bridge_mm());
+  if (options.side.bridge_mm() > 0.0) bridges = mesh::bridge_holes(taken.surface, e.surface, options.side.bridge_mm());
   const mesh::OpenSide open_side = mesh::open_side_of(taken.surface);
   mesh::write_mesh(options.output, taken.surface);
   const mesh::Surface surface(taken.surface);
   const double area_cm2 = surface.area_mm2() / 100.0;
+  Eigen::AlignedBox3d box;
+  for (const design::Vec3& v : file.mesh.vertices) box.extend(v);
+  const design::Vec3 size_mm = box.sizes();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.result = keys_of(e.report);
   output.result.update({{"faces", taken.surface.faces.size()},
                         {"area_cm2", area_cm2},
+                        {"size_mm", {size_mm.x(), size_mm.y(), size_mm.z()}},
                         {"boundary_loops", surface.border_loops().size()},
                         {"notes", file.report.notes},
                         {"open", open_side.is_open},
@@ -112,14 +126,15 @@ int run(Options options, Output& output) {
   output.result["bridged_holes"] = bridges.bridged;
   if (const std::string open = taken.choice.has_wall ? "" : side_text_of(open_side); !open.empty()) output.say(open);
   const int status = report_part(file.report, output);
-  for (const std::string& text :
-       {shortage_text(e.report), repair_text(e.report, "outer"), side_text(taken), bridge_text(bridges)}) {
+  for (const std::string& text : {shortage_text(e.report), repair_text(e.report, "outer"), dropped_text(e.report),
+                                  side_text(taken), bridge_text(bridges)}) {
     if (!text.empty()) output.say(text);
   }
-  output.say(
-      fmt::format("{}, {:.1f} cm², {}; {} removed, {} turned; {:.2f} s", counted(taken.surface.faces.size(), "face"),
-                  area_cm2, counted(surface.border_loops().size(), "border loop"),
-                  counted(e.report.removed_components, "part"), counted(e.report.flipped_faces, "face"), seconds));
+  output.say(fmt::format("part of {:.1f} × {:.1f} × {:.1f} mm: {}, {:.1f} cm², {}; {} removed, {} turned; {:.2f} s",
+                         size_mm.x(), size_mm.y(), size_mm.z(), counted(taken.surface.faces.size(), "face"), area_cm2,
+                         counted(surface.border_loops().size(), "border loop"),
+                         counted(e.report.removed_components, "part"), counted(e.report.flipped_faces, "face"),
+                         seconds));
   return status;
 }
 

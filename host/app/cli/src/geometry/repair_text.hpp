@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "triskin/base/counted.hpp"
@@ -53,6 +54,20 @@ namespace triskin::cli {
                     "{:.1f}, {:.1f}) mm",
                     reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.found_mm,
                     d.where_mm.x(), d.where_mm.y(), d.where_mm.z());
+}
+
+/// Names the largest dropped part with area and place, and counts the others; empty without any.
+[[nodiscard]] inline std::string dropped_text(const mesh::ExtractReport& r) {
+  if (r.dropped.empty()) return {};
+  const mesh::DroppedPart& largest = *std::ranges::max_element(r.dropped, {}, &mesh::DroppedPart::area_mm2);
+  double others_mm2 = -largest.area_mm2;
+  for (const mesh::DroppedPart& part : r.dropped) others_mm2 += part.area_mm2;
+  std::string text = fmt::format("not in the surface: a part of {:.2f} cm² near ({:.1f}, {:.1f}, {:.1f}) mm",
+                                 largest.area_mm2 / 100.0, largest.where_mm.x(), largest.where_mm.y(),
+                                 largest.where_mm.z());
+  if (r.dropped.size() > 1)
+    text += fmt::format(" and {} of {:.2f} cm² in all", counted(r.dropped.size() - 1, "smaller one"), others_mm2 / 100.0);
+  return text + " (dropped in the --json output)";
 }
 
 }  // namespace triskin::cli

@@ -59,7 +59,14 @@ mesh::SideOptions SideOption::options() const {
 std::string side_text(const mesh::TakenSide& taken) {
   if (taken.choice.has_loose_sheets)
     return "the mesh has sheets back to back that no rim joins; all are kept (--side outer takes one side)";
-  if (!taken.choice.has_wall) return {};
+  if (!taken.choice.has_wall) {
+    if (!taken.options.is_asked()) return {};
+    return fmt::format(
+        "{} was asked for, but the part has no wall of {} to {} mm to tell sides by: all of its surface is taken; "
+        "choose "
+        "faces of a CAD file (triskin faces), or cut the mesh",
+        name_of(taken.options), taken.options.min_wall_mm, taken.options.max_wall_mm);
+  }
   const std::string areas = fmt::format("{} of {} cm², wall {:.1f} mm", whole_cm2(taken.taken_mm2),
                                         whole_cm2(taken.part_mm2), taken.choice.wall_mm);
   if (taken.options.wanted == mesh::SideWanted::kBoth) return "both sides: " + areas;

@@ -108,9 +108,10 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   }
   if (kept.faces.empty())
     throw InputError("side: nothing of the part lies on the side that was asked for; try --side both, or --from X,Y,Z");
+  ExtractReport unused;
   taken.surface = extract(kept).surface;
   // Outer faces that were joined only at a corner now have coinciding corners.
-  if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s).surface;
+  if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s, unused);
   return taken;
 }
 
@@ -119,7 +120,7 @@ SideChoice find_sides(const Mesh& mesh, const SideOptions& options) {
     throw InputError("side: the wall's least thickness must be over 0 mm and under its largest");
   const RayCaster part(mesh, options.threads);
   const auto neighbours = neighbours_of(mesh);
-  if (has_border(neighbours) && walled_fraction_of_few(part, options) < kMinWalledOpen) return one_side(mesh);
+  if (!options.is_asked() && has_border(neighbours) && walled_fraction_of_few(part, options) < kMinWalledOpen) return one_side(mesh);
   const std::vector<WallSample> samples = wall_samples(part, options);
   SmoothRegions regions = smooth_regions(part, neighbours, samples);
   const SideEvidence evidence = side_evidence(part, neighbours, regions, samples, options);

@@ -85,6 +85,7 @@ class Decision {
       all += region(r).area_mm2;
       if (has_wall(r)) walled += region(r).area_mm2;
     }
+    if (options_.is_asked()) return walled > 0.0;
     const bool is_closed = std::ranges::all_of(evidence_.is_component_closed, [](bool c) { return c; });
     return walled >= (is_closed ? kMinInnerFraction : kMinWalledFraction) * all;
   }
@@ -263,7 +264,8 @@ class Decision {
   void judge() {
     const double outer = area_of(FaceSide::kOuter), inner = area_of(FaceSide::kInner),
                  undecided = area_of(FaceSide::kUndecided), all = outer + inner + undecided + area_of(FaceSide::kRim);
-    out_.has_wall = inner + undecided >= kMinInnerFraction * all;
+    out_.has_wall =
+        inner + undecided >= (options_.is_asked() ? 0.0 : kMinInnerFraction) * all && inner + undecided > 0.0;
     out_.has_loose_sheets =
         out_.has_wall && options_.wanted == SideWanted::kAuto && options_.choice == 0 && !is_joined();
     if (out_.has_loose_sheets) out_.has_wall = false;

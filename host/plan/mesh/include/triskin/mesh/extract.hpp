@@ -15,8 +15,16 @@
 
 namespace triskin::mesh {
 
-/// Tells how far a repaired surface is from the outside of its input: from the faces of the input that see the fraction
-/// `visibility_fraction` of the sky to the surface, and from all of the surface to the input.
+/// Connected faces of the input that are not in the surface: small, hidden or enclosed ones, fins at edges with more
+/// than two faces.
+struct DroppedPart {
+  double area_mm2 = 0.0;
+  Vec3 where_mm = Vec3::Zero();  ///< middle of its largest face
+  int faces = 0;
+};
+
+/// Tells how far a repaired surface is from its input: from every point of the input that is in no dropped part to the
+/// surface, and from all of the surface to the input.
 struct Deviation {
   double mean_mm = 0.0;     ///< The mean is taken over the area, in the direction that gives the larger value.
   double largest_mm = 0.0;  ///< This is a proved bound: no point is farther away.
@@ -41,7 +49,9 @@ inline constexpr NameTable kRepairNames{std::array<std::pair<Repair, std::string
 struct ExtractReport {
   int removed_components = 0;  ///< These parts were small or hidden.
   int removed_faces = 0;       ///< These faces were hidden, or at edges with more than two faces.
-  int flipped_faces = 0;       ///< These faces were turned so that neighbours agree.
+  /// Every point of the mesh farther from the surface than the deviation lies in one of these.
+  std::vector<DroppedPart> dropped;
+  int flipped_faces = 0;  ///< These faces were turned so that neighbours agree.
   int boundary_loops = 0;
   int non_manifold_edges = 0;  ///< These edges of the raw mesh have more than two faces.
   int components = 0;          ///< The result has this many connected parts.
@@ -53,7 +63,7 @@ struct ExtractReport {
   Repair repair = Repair::kNone;        ///< Only ExtractOptions::repair allows another value.
   /// This many pairs of faces of the raw or reduced mesh pass through each other; without a repair nobody counts them.
   int crossings = 0;
-  /// All values are 0 if nothing was repaired or reduced. The deviation is measured before the keep-outs are cut.
+  /// All values are 0 if nothing was repaired or reduced. Measured before the keep-outs are cut.
   Deviation deviation;
   /// A mesh with more faces than the repair has time for is reduced first, by at most this distance; `deviation`
   /// includes it. Zero means that the mesh was not reduced.

@@ -97,28 +97,41 @@ using FacePair = std::pair<FaceIndex, FaceIndex>;
 [[nodiscard]] Deviation deviation_between(const Mesh& input, const std::vector<bool>& outside, const Mesh& result,
                                           const IsLate& is_late = {});
 
-/// Repairs the topology alone, as the first step of extract(). Errors: InputError when no part is as large as a module.
-[[nodiscard]] Extraction repair_topology(const Mesh& mesh);
+/// Lists the parts of the faces that are not `counted` of which some point may be farther than within_mm from the
+/// result. Cost: up to four closest-point searches per face, on all cores.
+[[nodiscard]] std::vector<DroppedPart> parts_beyond(const Mesh& input, const std::vector<bool>& counted,
+                                                    const Mesh& result, double within_mm);
+
+/// What joined() does with parts smaller than a module and with faces that no edge is free for.
+enum class SmallParts {
+  kDropped,  ///< counted and named in the report
+  kKept      ///< all of the mesh stays; a face without a free edge stands alone
+};
+
+/// Makes a manifold, consistently oriented surface of a welded mesh; the first step of extract(). Adds to the report
+/// what it turned and dropped, and sets its number of components. Errors: InputError when no part remains.
+[[nodiscard]] Mesh joined(const Mesh& mesh, ExtractReport& report, SmallParts small_parts = SmallParts::kDropped);
 
 /// Holds what the test of usable() finds. A late test states the tested fraction in the report (`tested`) and counts
 /// the other crossings as absent.
 struct UsableTest {
-  std::optional<Extraction> joined;  ///< The value is missing when no part is as large as a module.
+  std::optional<Mesh> joined;  ///< The value is missing when no part is as large as a module.
   bool is_usable = false;
 };
-[[nodiscard]] UsableTest test_usable(const Mesh& mesh, const IsLate& is_late = {});
+[[nodiscard]] UsableTest test_usable(const Mesh& mesh, ExtractReport& report, const IsLate& is_late = {});
 
 /// Makes what design() takes. Moves apart corners that only touch, then drops one face of each crossing pair until no
 /// faces cross: the one that sees less of the sky, or the smaller one when late. Then closes slits, when late all or
 /// none. Errors: InputError when nothing remains. Cost: one search for crossings per round; each round drops a face and
 /// measures visibility for at most `visibility_s` s.
-[[nodiscard]] Extraction remove_crossings(const Mesh& mesh, double visibility_s, const IsLate& is_late = {});
+[[nodiscard]] Mesh remove_crossings(const Mesh& mesh, double visibility_s, ExtractReport& report,
+                                    const IsLate& is_late = {});
 
-/// Repairs the mesh so that usable() holds; fills the report's repair and deviation. Each step stops after its fraction
-/// of `time`; when all of it is over, the first usable surface is returned. Errors: InputError when no part as large as
-/// a module can be made.
-[[nodiscard]] Extraction repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
-                                  const ProgressSink& progress);
+/// Repairs the mesh so that usable() holds; fills the report's repair, deviation and dropped parts. Each step stops
+/// after its fraction of `time`; when all of it is over, the first usable surface is returned. Errors: InputError when
+/// no part as large as a module can be made.
+[[nodiscard]] Mesh repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
+                            ExtractReport& report, const ProgressSink& progress);
 
 /// Divides the faces at the border of the keep-outs and removes those inside.
 [[nodiscard]] Mesh without_keep_outs(const Mesh& mesh, const ExtractOptions& options);

@@ -30,6 +30,7 @@ struct MeshReadReport {
   /// True if the file states its unit (DAE, 3MF) or its format has one (glTF and GLB are in metres).
   bool unit_from_file = false;
   int welded_vertices = 0;   ///< Corners at the same place, within 1e-7 of the size, became one vertex.
+  int joined_corners = 0;    ///< Corners that lay on an edge of another face (T-junctions) now divide it.
   int degenerate_faces = 0;  ///< Faces without area were dropped.
   int duplicate_faces = 0;   ///< Faces with the same three vertices as an earlier one were dropped.
   int flipped_faces = 0;     ///< These faces were turned so that neighbours agree.

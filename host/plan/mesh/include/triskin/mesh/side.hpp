@@ -46,6 +46,11 @@ struct SideOptions {
   double min_wall_mm = 0.3;  ///< A thinner pair of sheets counts as one sheet that is stored twice; must be positive.
   double max_wall_mm = 8.0;  ///< A thicker part counts as a solid body without a wall; must exceed min_wall_mm.
   int threads = 2;           ///< The number must be at least 1 and does not affect the result.
+
+  /// True if somebody asked for a side, which then follows the evidence that there is, however small the wall.
+  [[nodiscard]] bool is_asked() const {
+    return wanted == SideWanted::kOuter || wanted == SideWanted::kInner || choice > 0;
+  }
 };
 
 /// A set of faces that are connected over smooth edges and lie on one side of the wall.
