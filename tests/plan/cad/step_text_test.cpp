@@ -56,6 +56,47 @@ TEST(StepText, LineBreaksAndCommentsBeforeTheEqualsSignFallAway) {
   EXPECT_EQ(broken.text, read_step_text(good_part()).text);
 }
 
+TEST(StepText, UnsetNamesOfShapesAreEmptyOnes) {
+  const StepText step = read_step_text(with_all(good_part(), "ADVANCED_FACE(''", "ADVANCED_FACE($"));
+  EXPECT_EQ(step.text.find("ADVANCED_FACE($"), std::string::npos);
+  EXPECT_EQ(read_step_text(with_all(good_part(), "CARTESIAN_POINT(''", "CARTESIAN_POINT($")).text,
+            read_step_text(good_part()).text);
+  // The first value of a unit is its prefix, and an unset one means something.
+  const std::string unit = "#401=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));\nENDSEC;\nEND-ISO";
+  EXPECT_NE(read_step_text(with(good_part(), "ENDSEC;\nEND-ISO", unit)).text.find("SI_UNIT($,.METRE.)"),
+            std::string::npos);
+}
+
+std::string with_operator(const std::string& axes_and_scale) {
+  return with(good_part(), "ENDSEC;\nEND-ISO",
+              "#401=DIRECTION('',(1.,0.,0.));\n#402=DIRECTION('',(0.,1.,0.));\n#403=DIRECTION('',(0.,0.,1.));\n"
+              "#404=DIRECTION('',(0.,0.,-1.));\n#405=CARTESIAN_POINT('',(0.,0.,0.));\n"
+              "#406=CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$," +
+                  axes_and_scale + ");\nENDSEC;\nEND-ISO");
+}
+
+TEST(StepText, ScaledAndMirroredInstancesAreRefusedByNumber) {
+  EXPECT_EQ(refusal_of(with_operator("#401,#402,#405,1.,#403")), "accepted");
+  EXPECT_EQ(refusal_of(with_operator("$,$,#405,$,$")), "accepted");
+  EXPECT_EQ(refusal_of(with_operator("$,$,#405,2.,$")),
+            "#406: an instance of a part is scaled by 2, which cannot be read; apply it to the part in the CAD program "
+            "and export again");
+  EXPECT_THAT(refusal_of(with_operator("#401,#402,#405,1.,#404")),
+              HasSubstr("#406: an instance of a part is mirrored"));
+}
+
+TEST(StepText, HiddenBodiesAreNamed) {
+  const std::string body = "#401=MANIFOLD_SOLID_BREP('fixture',#12);\n";
+  const auto warnings = [&](const std::string& more) {
+    return read_step_text(with(good_part(), "ENDSEC;\nEND-ISO", body + more + "ENDSEC;\nEND-ISO")).warnings;
+  };
+  EXPECT_THAT(warnings("#402=STYLED_ITEM('',(),#401);\n#403=INVISIBILITY((#402));\n"),
+              ::testing::Contains(HasSubstr("hidden in the CAD program, but read: fixture (#401)")));
+  EXPECT_THAT(warnings("#402=PRESENTATION_LAYER_ASSIGNMENT('off','',(#401));\n#403=INVISIBILITY((#402));\n"),
+              ::testing::Contains(HasSubstr("fixture (#401)")));
+  EXPECT_THAT(warnings("#402=STYLED_ITEM('',(),#401);\n"), ::testing::Not(::testing::Contains(HasSubstr("hidden"))));
+}
+
 // Returns the name with the escapes that every reader knows.
 std::string name_in_text(const std::string& name) {
   const StepText step = read_step_text(with(good_part(), "ADVANCED_FACE('outer'", "ADVANCED_FACE('" + name + "'"));

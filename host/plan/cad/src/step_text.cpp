@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <utility>
 
 #include "reference_cycles.hpp"
 #include "step_lexer.hpp"
@@ -20,16 +23,71 @@ constexpr std::size_t kMaxDepth = 64;  // Real files nest control points three d
 // No unit makes a robot part of this size; kernels search for its triangles until memory ends.
 constexpr double kMaxCoordinate = 1e9;
 
-enum Trait : std::uint8_t { kFace = 1, kAssembly = 2, kDocumentFile = 4, kUnits = 8, kLengthUnit = 16, kPoint = 32 };
+enum Trait : std::uint16_t {
+  kFace = 1,
+  kAssembly = 2,
+  kDocumentFile = 4,
+  kUnits = 8,
+  kLengthUnit = 16,
+  kPoint = 32,
+  kOperator = 64,
+  kDirection = 128,
+  kStyle = 256,
+  kInvisible = 512,
+  kLayer = 1024,
+  kBody = 2048,
+};
 
-std::uint8_t trait_of(std::string_view keyword) {
+std::uint16_t trait_of(std::string_view keyword) {
   if (keyword == "ADVANCED_FACE" || keyword == "FACE_SURFACE") return kFace;
   if (keyword == "NEXT_ASSEMBLY_USAGE_OCCURRENCE") return kAssembly;
   if (keyword == "DOCUMENT_FILE") return kDocumentFile;
   if (keyword == "GLOBAL_UNIT_ASSIGNED_CONTEXT") return kUnits;
   if (keyword == "LENGTH_UNIT") return kLengthUnit;
   if (keyword == "CARTESIAN_POINT") return kPoint;
+  if (keyword == "CARTESIAN_TRANSFORMATION_OPERATOR_3D") return kOperator;
+  if (keyword == "DIRECTION") return kDirection;
+  if (keyword == "STYLED_ITEM" || keyword == "OVER_RIDING_STYLED_ITEM") return kStyle;
+  if (keyword == "INVISIBILITY") return kInvisible;
+  if (keyword == "PRESENTATION_LAYER_ASSIGNMENT") return kLayer;
+  if (keyword == "MANIFOLD_SOLID_BREP" || keyword == "BREP_WITH_VOIDS" || keyword == "SHELL_BASED_SURFACE_MODEL")
+    return kBody;
   return 0;
+}
+
+// The first value of these is the name of a representation item (ISO 10303-43). Some exporters leave it unset (`$`)
+// where it is empty; the kernel then drops the entity.
+bool begins_with_name(std::string_view keyword) {
+  static constexpr std::array<std::string_view, 26> kItems{"ADVANCED_FACE",
+                                                           "FACE_SURFACE",
+                                                           "FACE_BOUND",
+                                                           "FACE_OUTER_BOUND",
+                                                           "VERTEX_POINT",
+                                                           "EDGE_CURVE",
+                                                           "ORIENTED_EDGE",
+                                                           "CLOSED_SHELL",
+                                                           "OPEN_SHELL",
+                                                           "ORIENTED_CLOSED_SHELL",
+                                                           "MANIFOLD_SOLID_BREP",
+                                                           "BREP_WITH_VOIDS",
+                                                           "SHELL_BASED_SURFACE_MODEL",
+                                                           "CARTESIAN_POINT",
+                                                           "DIRECTION",
+                                                           "VECTOR",
+                                                           "LINE",
+                                                           "CIRCLE",
+                                                           "ELLIPSE",
+                                                           "PLANE",
+                                                           "PCURVE",
+                                                           "MAPPED_ITEM",
+                                                           "STYLED_ITEM",
+                                                           "REPRESENTATION_ITEM",
+                                                           "GEOMETRIC_SET",
+                                                           "TRIMMED_CURVE"};
+  return std::ranges::find(kItems, keyword) != kItems.end() || keyword.ends_with("_SURFACE") ||
+         keyword.ends_with("_CURVE") || keyword.ends_with("_LOOP") || keyword.ends_with("_WITH_KNOTS") ||
+         keyword.starts_with("AXIS1_PLACEMENT") || keyword.starts_with("AXIS2_PLACEMENT") ||
+         keyword.starts_with("SURFACE_OF_") || keyword.starts_with("CARTESIAN_TRANSFORMATION_OPERATOR");
 }
 
 bool is_tessellation(std::string_view keyword) {
@@ -155,6 +213,7 @@ class Reader {
     entity_.id = id_of(name);
     traits_ = 0;
     numbers_in_entity_ = 0;
+    values_.clear();
     first_string_.clear();
     put(name);
     expect(Kind::kEquals, "`=`");
@@ -176,6 +235,7 @@ class Reader {
     out_.csg += is_csg(keyword) ? 1 : 0;
     out_.text += keyword;
     expect(Kind::kOpen, "`(`");
+    is_name_next_ = begins_with_name(keyword);
     list();
   }
   void complex_record() {
@@ -193,7 +253,9 @@ class Reader {
     std::size_t depth = 1;
     bool wants_value = true, may_close = true;
     while (depth > 0) {
-      const StepToken token = next();
+      StepToken token = next();
+      if (token.kind == Kind::kOmitted && is_name_next_) token = {Kind::kString, {}, {}};
+      is_name_next_ = false;
       put(token);
       if (token.kind == Kind::kClose && (may_close || !wants_value)) {
         --depth;
@@ -220,11 +282,12 @@ class Reader {
   }
   void value(const StepToken& token) {
     if (token.kind == Kind::kReference) entity_.references.push_back(reference_of(token));
+    if ((traits_ & kOperator) != 0) values_.push_back(token.kind == Kind::kReference ? reference_of(token) : 0);
     if (token.kind == Kind::kString && first_string_.empty()) first_string_ = decode_step_string(token.text, encoding_);
     if (token.kind == Kind::kNumber) number(token);
     numbers_in_entity_ += token.kind == Kind::kNumber ? 1 : 0;
   }
-  void number(const StepToken& token) const {
+  void number(const StepToken& token) {
     double value = 0.0;
     const std::string_view digits = token.text.starts_with('+') ? token.text.substr(1) : token.text;
     const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -234,6 +297,8 @@ class Reader {
       fail(fmt::format("`{}` is no number that can be used", token.shown()));
     if ((traits_ & kPoint) != 0 && std::abs(value) > kMaxCoordinate)
       fail(fmt::format("the coordinate {} is no place on a part", token.shown()));
+    if ((traits_ & kDirection) != 0 && numbers_in_entity_ < 3) direction_[numbers_in_entity_] = value;
+    if ((traits_ & kOperator) != 0 && value != 1.0) scaled_.emplace_back(entity_.id, value);
   }
   // Programs write −1 for a reference to nothing, as a number of 64 bits; it is ignored.
   static std::int64_t reference_of(const StepToken& token) {
@@ -259,6 +324,14 @@ class Reader {
     if ((traits_ & kDocumentFile) != 0) out_.external_files.push_back(first_string_);
     if ((traits_ & kAssembly) != 0 && entity_.references.size() >= 2)
       assemblies_.add(entity_.references[0], {entity_.references[1]}, entity_.id);
+    if ((traits_ & kDirection) != 0) directions_.emplace_back(entity_.id, direction_);
+    if ((traits_ & kOperator) != 0) operators_.emplace_back(entity_.id, values_);
+    if ((traits_ & kStyle) != 0 && !entity_.references.empty())
+      styled_.emplace(entity_.id, std::vector{entity_.references.back()});
+    if ((traits_ & kLayer) != 0) styled_.emplace(entity_.id, entity_.references);
+    if ((traits_ & kInvisible) != 0)
+      invisible_.insert(invisible_.end(), entity_.references.begin(), entity_.references.end());
+    if ((traits_ & kBody) != 0) bodies_.emplace(entity_.id, first_string_);
     if ((traits_ & kLengthUnit) != 0) length_units_.push_back(entity_.id);
     if ((traits_ & kUnits) != 0)
       used_units_.insert(used_units_.end(), entity_.references.begin(), entity_.references.end());
@@ -278,7 +351,53 @@ class Reader {
     std::ranges::sort(length_units_);
     out_.has_length_unit = std::ranges::any_of(
         used_units_, [&](std::int64_t id) { return std::ranges::binary_search(length_units_, id); });
+    refuse_scale_and_mirror();
     warn_of_dangling();
+    warn_of_hidden();
+  }
+
+  // The kernel takes the rotation and the place of an operator alone, and drops its scale and mirroring.
+  void refuse_scale_and_mirror() {
+    constexpr const char* kRemedy = "which cannot be read; apply it to the part in the CAD program and export again";
+    std::ranges::sort(directions_);
+    for (const auto& [id, scale] : scaled_)
+      throw InputError(fmt::format("#{}: an instance of a part is scaled by {}, {}", id, scale, kRemedy));
+    for (const auto& [id, values] : operators_) {
+      if (is_mirrored(values)) throw InputError(fmt::format("#{}: an instance of a part is mirrored, {}", id, kRemedy));
+    }
+  }
+  // Values 3, 4 and 7 are the axes; 0 stands for an unset one, which follows from the others. Three axes that turn the
+  // other way mirror (ISO 10303-42).
+  [[nodiscard]] bool is_mirrored(const std::vector<std::int64_t>& values) const {
+    if (values.size() < 8) return false;
+    std::array<std::array<double, 3>, 3> axes{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t id = values[std::array{3U, 4U, 7U}[k]];
+      const auto found = std::ranges::lower_bound(directions_, id, {}, [](const auto& d) { return d.first; });
+      if (found == directions_.end() || found->first != id) return false;
+      axes[k] = found->second;
+    }
+    const auto& [u, v, w] = axes;
+    return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] +
+               (u[0] * v[1] - u[1] * v[0]) * w[2] <
+           0.0;
+  }
+
+  void warn_of_hidden() {
+    std::string names;
+    int count = 0;
+    const auto name = [&](std::int64_t id) {
+      const auto body = bodies_.find(id);
+      if (body == bodies_.end()) return;
+      names += fmt::format("{}{} (#{})", names.empty() ? "" : ", ", body->second.empty() ? "a body" : body->second, id);
+      ++count;
+    };
+    for (const std::int64_t id : invisible_) {
+      name(id);
+      if (const auto styled = styled_.find(id); styled != styled_.end()) std::ranges::for_each(styled->second, name);
+    }
+    if (count > 0)
+      out_.warnings.push_back(fmt::format("hidden in the CAD program, but read: {}; --object takes one body", names));
   }
   static std::string circle_text(const std::vector<ReferenceGraph::Step>& circle) {
     std::string text;
@@ -302,7 +421,16 @@ class Reader {
   RawEncoding encoding_;
   StepText out_;
   Entity entity_;
-  std::uint8_t traits_ = 0;
+  std::uint16_t traits_ = 0;
+  bool is_name_next_ = false;         // The next value of the record would be its name.
+  std::vector<std::int64_t> values_;  // Of an operator: the references, 0 for other values.
+  std::array<double, 3> direction_{};
+  std::vector<std::pair<std::int64_t, std::array<double, 3>>> directions_;
+  std::vector<std::pair<std::int64_t, std::vector<std::int64_t>>> operators_;
+  std::vector<std::pair<std::int64_t, double>> scaled_;
+  std::map<std::int64_t, std::vector<std::int64_t>> styled_;  // What a style or layer is applied to.
+  std::vector<std::int64_t> invisible_;
+  std::map<std::int64_t, std::string> bodies_;  // Their names.
   std::size_t numbers_in_entity_ = 0;
   std::string first_string_;
   std::vector<std::int64_t> ids_, length_units_, used_units_;
