@@ -1,7 +1,7 @@
 # One interface target that every target of ours links: warnings, sanitizers, exact floating point.
 add_library(triskin_options INTERFACE)
 target_compile_options(triskin_options INTERFACE
-  -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion -Werror
+  -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion $<$<BOOL:${TRISKIN_WERROR}>:-Werror>
   # Results must agree between gcc and clang: never contract a*b+c, never fast-math.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND TRISKIN_SANITIZE)

@@ -4,6 +4,7 @@ Usage: read_test.py PROGRAM DESIGN SCENE"""
 import json
 import math
 import os
+import pathlib
 import re
 import signal
 import subprocess
@@ -118,7 +119,8 @@ def errors():
 
 server, link = serve()
 try:
-    with triskin.open(design, link=link) as skin:
+    with triskin.open(pathlib.Path(design), link=link, scene=None) as skin:
+        assert re.fullmatch(r"<triskin\.Skin of \d+ modules>", repr(skin)), repr(skin)
         contents(skin)
         stream(skin)
         good, report = skin.verify()

@@ -27,7 +27,7 @@ namespace {
 triskin_sample recorded_sample(const recording::ModuleSample& s, std::uint64_t unix_start_ns,
                                std::uint64_t link_start_us) {
   constexpr double kNanos = 1e9, kMicros = 1e6;
-  // Recordings of version 0.1 only have the time of arrival.
+  // A sample that was taken before its time was known has only that of its arrival.
   const double time_s = s.sampled_ns != 0 ? static_cast<double>(s.sampled_ns) / kNanos
                                           : static_cast<double>(unix_start_ns) / kNanos +
                                                 static_cast<double>(s.link_time_us - link_start_us) / kMicros;

@@ -343,8 +343,15 @@ bool is_recording(const std::string& file) {
   return in && std::string_view(magic.data(), magic.size()) == "\x89MCAP";
 }
 
-py::object open_file(const std::string& file, const std::string& link, const std::string& scene, int every,
-                     bool overload, double queue_s) {
+// The name of a file as Python gives it: text, bytes or os.PathLike; None is no file.
+std::string path_of(const py::object& path) {
+  if (path.is_none()) return {};
+  return py::cast<std::string>(py::module_::import("os").attr("fsencode")(path));
+}
+
+py::object open_file(const py::object& path, const std::optional<std::string>& link_or_none,
+                     const py::object& scene_path, int every, bool overload, double queue_s) {
+  const std::string file = path_of(path), link = link_or_none.value_or(""), scene = path_of(scene_path);
   if (!is_recording(file)) return py::cast(std::make_unique<Skin>(file, link, scene, every, overload, queue_s));
   if (!link.empty() || !scene.empty())
     throw BadInput(file +
@@ -353,14 +360,15 @@ py::object open_file(const std::string& file, const std::string& link, const std
   return py::cast(std::make_unique<Recording>(file));
 }
 
-std::unique_ptr<Skin> simulate(const std::string& file, const std::string& scene, int every) {
+std::unique_ptr<Skin> simulate(const py::object& path, const py::object& scene, int every) {
+  const std::string file = path_of(path);
   triskin_status status = TRISKIN_OK;
   {
     const py::gil_scoped_release released;
     status = triskin_flash_simulation(file.c_str());
   }
   check(status);
-  return std::make_unique<Skin>(file, "sim", scene, every, false, 10.0);
+  return std::make_unique<Skin>(file, "sim", path_of(scene), every, false, 10.0);
 }
 
 void add_skin(py::module_& m) {
@@ -395,7 +403,8 @@ void add_skin(py::module_& m) {
            "Regions under pressure, the strongest first: dicts with position_mm, normal, change_counts, force_n (NaN "
            "without calibration), area_mm2, module, taxel (the strongest) and taxels (how many).")
       .def("verify", &Skin::verify,
-           "Whether the hardware is the design, and the report as text. A stream that runs pauses for that.");
+           "Whether the hardware is the design, and the report as text. A stream that runs pauses for that.")
+      .def("__repr__", [](const Skin& s) { return "<triskin.Skin of " + std::to_string(s.modules()) + " modules>"; });
 }
 
 void add_recording(py::module_& m) {
@@ -415,7 +424,11 @@ void add_recording(py::module_& m) {
       .def("calibration", &Recording::calibration, "As Skin.calibration, of the calibration in the file.")
       .def(
           "__enter__", [](Recording& r) -> Recording& { return r; }, py::return_value_policy::reference)
-      .def("__exit__", [](Recording&, const py::args&) {});
+      .def("__exit__", [](Recording&, const py::args&) {})
+      .def("__repr__", [](const Recording& r) {
+        return "<triskin.Recording of " + r.name + ": " + std::to_string(r.modules) + " modules, " +
+               std::to_string(py::len(r.samples)) + (r.simulated ? " samples of a simulation>" : " samples>");
+      });
 }
 
 }  // namespace
@@ -428,11 +441,11 @@ PYBIND11_MODULE(triskin, m) {
   py::register_exception<DeviceFailed>(m, "DeviceFailed", PyExc_OSError);
   add_skin(m);
   add_recording(m);
-  m.def("open", &open_file, py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "",
+  m.def("open", &open_file, py::arg("file"), py::kw_only(), py::arg("link") = py::none(), py::arg("scene") = py::none(),
         py::arg("every") = 0, py::arg("overload") = false, py::arg("queue_s") = 10.0,
         "Opens the skin of a design file or of a robot file, or a recording (.mcap). link: as --link of the program; "
-        "empty: of a robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
-  m.def("simulate", &simulate, py::arg("file"), py::kw_only(), py::arg("scene") = "", py::arg("every") = 0,
+        "None: of a robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
+  m.def("simulate", &simulate, py::arg("file"), py::kw_only(), py::arg("scene") = py::none(), py::arg("every") = 0,
         "Opens the skin of a design on simulated boards, which get its tables first. scene: file of what touches it. "
         "Raises BadInput, DeviceFailed.");
 }
