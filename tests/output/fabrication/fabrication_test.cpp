@@ -441,7 +441,8 @@ TEST(Fabricate, RefusesThicknessesOutOfRange) {
 }
 
 TEST(Fabricate, NamesOfDesignsMayHoldAnything) {
-  EXPECT_EQ(plain_name("../a b\"c"), ".._a_b_c");
+  EXPECT_TRUE(plain_name("../a b\"c").starts_with(".._a_b_c_"));
+  EXPECT_EQ(plain_name("../a b"), ".._a_b");
   EXPECT_EQ(plain_name(""), "design");
 }
 

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "bridge_services.hpp"
+#include "calibration_options.hpp"
 #include "contacts.hpp"
+#include "site_options.hpp"
+#include "stream_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
-#include "calibration_options.hpp"
-#include "site_options.hpp"
-#include "stream_options.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::cli::bridge_command {
@@ -59,7 +59,10 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
   std::copy_n(numbers.begin() + 3, 4, pose.rotation.begin());
   double square = 0.0;
   for (const double v : pose.rotation) square += v * v;
-  if (std::abs(square - 1.0) > 1e-3) throw InputError("--pose: the last four numbers are no unit quaternion x y z w");
+  if (!(std::abs(square - 1.0) <= 1e-3))
+    throw InputError("--pose: the last four numbers are not a unit quaternion x y z w");
+  if (!std::ranges::all_of(pose.translation_m, [](double v) { return std::isfinite(v); }))
+    throw InputError("--pose: x y z must be finite numbers (m)");
   return pose;
 }
 
@@ -261,7 +264,16 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
   return by_cover;
 }
 
+// tf2 drops a transform whose frame has no name, begins with a slash, or is its own parent.
+void require_frame(const std::string& frame) {
+  if (frame.empty() || frame.front() == '/' || frame.find_first_of(" \t\n") != std::string::npos)
+    throw InputError(
+        fmt::format("--parent \"{}\": a frame of tf2 has a name without a leading slash or blanks, such as {}", frame,
+                    frame.size() > 1 && frame.front() == '/' ? frame.substr(1) : "base_link"));
+}
+
 int run(const Options& options, Output& output) {
+  require_frame(options.bridge.parent_frame);
   output.expect_interrupt();
   robot::Site site = read_site(options.site);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);

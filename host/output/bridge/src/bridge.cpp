@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::bridge {
@@ -15,17 +16,11 @@ constexpr double kSecond_ns = 1e9;
 constexpr Delivery kStream{.depth = 2000, .latched = false}, kLatest{.depth = 10, .latched = false},
     kForEver{.depth = 1, .latched = true};
 
-bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
-
 }  // namespace
 
 std::string part_name(const std::string& text) {
-  std::string name;
-  for (const char c : text) name += is_name_character(c) ? c : '_';
-  if (name.empty() || (name[0] >= '0' && name[0] <= '9')) name = "p" + name;
-  return name;
+  const std::string name = ascii_name(text, "", "p");
+  return name[0] >= '0' && name[0] <= '9' ? "p" + name : name;
 }
 
 Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns)
@@ -37,8 +32,11 @@ Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions
       frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
       cloud_(design) {
   if (part_name(options.part) != options.part)
-    throw InputError(fmt::format("\"{}\" is no name of a ROS topic; take letters, digits and _, for example {}",
+    throw InputError(fmt::format("\"{}\" is not a name of a ROS topic; take letters, digits and _, for example {}",
                                  options.part, part_name(options.part)));
+  if (options.parent_frame == frame_)
+    throw InputError(
+        fmt::format("the frame {} of the skin cannot be its own parent; name the link that carries it", frame_));
   if (options.raw) raw_ = domain.advertise(base_ + "raw", kRaw, kStream);
   if (points_period_ns_ > 0) points_ = domain.advertise(base_ + "points", kPoints, kLatest);
   contacts_ = domain.advertise(base_ + "contacts", kContacts, kLatest);

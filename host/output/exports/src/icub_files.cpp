@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "metres.hpp"
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/layout/module.hpp"
 
@@ -37,9 +38,8 @@ std::vector<design::ModuleWiring> wiring_for_icub(const design::Design& design) 
 }
 
 // Words in a YARP file end at spaces and brackets, so these are replaced.
-std::string word(std::string name) {
-  std::ranges::replace_if(name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '_'; }, '_');
-  return name.empty() ? "part" : name;
+std::string word(const std::string& name) {
+  return ascii_name(name, "", "part");
 }
 
 using Row = std::array<double, 6>;
@@ -87,7 +87,7 @@ std::string icub_positions(const design::Design& design) {
     for (int t = 0; t < kTaxels; ++t) {
       if (!layout::measures_pressure(static_cast<std::size_t>(t))) continue;
       const design::Vec3 p = poses[static_cast<std::size_t>(t)].position_mm * kMetres_per_mm,
-                 n = poses[static_cast<std::size_t>(t)].normal;
+                         n = poses[static_cast<std::size_t>(t)].normal;
       rows[static_cast<std::size_t>(first + t)] = {p.x(), p.y(), p.z(), n.x(), n.y(), n.z()};
       representative[static_cast<std::size_t>(first + t)] = first + kRepresentative;
     }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "metres.hpp"
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/exports/simulators.hpp"
 #include "triskin/layout/module.hpp"
@@ -27,12 +28,7 @@ std::vector<SimulatorTaxel> simulator_taxels(const design::Design& design) {
 }
 
 std::string simulator_name(const design::Design& design) {
-  std::string name;
-  for (const char c : design.name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    name += plain ? c : '_';
-  }
-  return name.empty() ? "skin" : name;
+  return ascii_name(design.name, "", "skin");
 }
 
 std::string link_name(const std::string& design_name, int module) {

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "ring.hpp"
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
@@ -137,13 +138,7 @@ double text_angle_rad(const Fold& fold) {
 }
 
 std::string plain_name(const std::string& text) {
-  std::string name = text;
-  const auto is_plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
-           c == '_';
-  };
-  std::ranges::replace_if(name, [&](char c) { return !is_plain(c); }, '_');
-  return name.empty() ? "design" : name;
+  return ascii_name(text, ".-", "design");
 }
 
 std::vector<FlatIsland> flat_islands(const design::Design& design, const sheet::Sides& sides, double relief_mm) {

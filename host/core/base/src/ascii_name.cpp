@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/base/ascii_name.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+namespace triskin {
+
+std::string ascii_name(std::string_view text, std::string_view also, std::string_view if_empty) {
+  constexpr std::string_view kSeparators = " -./";
+  std::string name;
+  bool has_lost = false;
+  std::uint32_t hash = 2166136261U;  // FNV-1a of 32 bits
+  for (const char c : text) {
+    const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                       also.find(c) != std::string_view::npos;
+    has_lost = has_lost || (!stays && kSeparators.find(c) == std::string_view::npos);
+    name += stays ? c : '_';
+    hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
+  }
+  if (name.empty()) return std::string(if_empty);
+  return has_lost ? fmt::format("{}_{:08x}", name, hash) : name;
+}
+
+}  // namespace triskin

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/base/ascii_name.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace triskin {
+namespace {
+
+TEST(AsciiName, keeps_plain_names_and_joins_words) {
+  EXPECT_EQ(ascii_name("forearm_2", "", "part"), "forearm_2");
+  EXPECT_EQ(ascii_name("left arm-2", "", "part"), "left_arm_2");
+  EXPECT_EQ(ascii_name("left arm-2.1", "-.", "part"), "left_arm-2.1");
+  EXPECT_EQ(ascii_name("", "", "part"), "part");
+}
+
+// By hand: (811c9dc5 ^ 22) * 01000193 modulo 2^32.
+TEST(AsciiName, tells_apart_what_it_cannot_spell) {
+  EXPECT_EQ(ascii_name("\"", "", "part"), "__270c92a5");
+  std::set<std::string> names;
+  const char* const scripts[] = {"左腕", "右腕", "Überarm", "Ùberarm", "рука",    "рукá",
+                                 "ذراع", "ذراغ", "🦾",      "🦿",      "a \"b\"", "a \"b'"};
+  for (const char* text : scripts) {
+    const std::string name = ascii_name(text, "", "part");
+    EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"),
+              std::string::npos);
+    EXPECT_TRUE(names.insert(name).second) << text << " -> " << name;
+  }
+}
+
+}  // namespace
+}  // namespace triskin
