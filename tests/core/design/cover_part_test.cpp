@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "support/flat_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/json_value.hpp"
@@ -12,7 +14,7 @@ namespace {
 
 CoverPart part_of(const std::string& text) {
   const nlohmann::json document = nlohmann::json::parse(text);
-  return read_cover_part(JsonValue(document, "a.json", "place"));
+  return read_cover_part(JsonValue(document, "a.json", "/place"));
 }
 
 std::string error_of_part(const std::string& text) {
@@ -65,13 +67,13 @@ TEST(CoverPart, is_written_as_it_was_read) {
 
 TEST(CoverPart, errors_name_the_place) {
   EXPECT_EQ(error_of_part("{}"),
-            "a.json: place: must have one of the keys \"sphere\", \"box\", \"island\", \"modules\"");
+            "a.json: /place: must have one of the keys \"sphere\", \"box\", \"island\", \"modules\"");
   EXPECT_EQ(error_of_part(R"({"island":1,"modules":[1]})"),
-            "a.json: place: must have one of the keys \"sphere\", \"box\", \"island\", \"modules\"");
+            "a.json: /place: must have one of the keys \"sphere\", \"box\", \"island\", \"modules\"");
   EXPECT_EQ(error_of_part(R"({"sphere":{"center_mm":[0,0,0],"radius_mm":0}})"),
-            "a.json: place.sphere.radius_mm: must be positive");
+            "a.json: /place/sphere/radius_mm: must be positive");
   EXPECT_EQ(error_of_part(R"({"box":{"low_mm":[0,0,0],"high_mm":[1,1,0]}})"),
-            "a.json: place.box.high_mm: must be above \"low_mm\" along every axis");
+            "a.json: /place/box/high_mm: must be above \"low_mm\" along every axis");
   EXPECT_NE(error_of_part(R"({"sphere":{"centre":[0,0,0],"radius_mm":1}})").find("\"centre\" is unknown"),
             std::string::npos);
   EXPECT_NE(error_of_part(R"({"modules":[-1]})"), "");

@@ -85,14 +85,14 @@ TEST_F(DesignFile, names_the_key_that_is_wrong) {
   using J = nlohmann::json;
   const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   EXPECT_TRUE(contains(error_after([](J& j) { j["version"] = 2; }), "version"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][1].erase("corners"); }), "modules[1]: key \"corners\""));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][1]["neighbours"][2] = 2; }), "modules[1].neighbours[2]"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][0]["line"] = 4; }), "modules[0].line"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["surface"]["faces"][0][0] = 9; }), "surface.faces[0][0]"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["surface"]["vertices"][3][1] = nullptr; }), "surface.vertices[3][1]"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][1].erase("corners"); }), "/modules/1: key \"corners\""));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][1]["neighbours"][2] = 2; }), "/modules/1/neighbours/2"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][0]["line"] = 4; }), "/modules/0/line"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["surface"]["faces"][0][0] = 9; }), "/surface/faces/0/0"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["surface"]["vertices"][3][1] = nullptr; }), "/surface/vertices/3/1"));
   EXPECT_TRUE(contains(error_after([](J& j) { j["design_id"] = "12"; }), "design_id"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][0]["i"] = 99999999999ULL; }), "modules[0].i"));
-  EXPECT_TRUE(contains(error_after([](J& j) { j["patches"][0]["entry"] = "x"; }), "patches[0].entry"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["modules"][0]["i"] = 99999999999ULL; }), "/modules/0/i"));
+  EXPECT_TRUE(contains(error_after([](J& j) { j["patches"][0]["entry"] = "x"; }), "/patches/0/entry"));
 }
 
 TEST_F(DesignFile, refuses_what_is_not_a_design) {

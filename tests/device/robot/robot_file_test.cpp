@@ -101,10 +101,10 @@ TEST(RobotFile, bad_forms_name_file_and_key) {
   };
   EXPECT_THAT(refused("\"version\":1", "\"version\":2"), HasSubstr("this program reads 1"));
   EXPECT_THAT(refused("\"link\":\"can:can0\"", "\"lnik\":\"can:can0\""),
-              HasSubstr("buses[0]: key \"lnik\" is unknown"));
-  EXPECT_THAT(refused("\"patch\":0", "\"patch\":-1"), HasSubstr("covers[0].controllers[0].patch"));
+              HasSubstr("/buses/0/lnik: key \"lnik\" is unknown"));
+  EXPECT_THAT(refused("\"patch\":0", "\"patch\":-1"), HasSubstr("/covers/0/controllers/0/patch"));
   EXPECT_THAT(refused("\"node\":1", "\"node\":127"), HasSubstr("1 … 126"));
-  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"up/per\""), HasSubstr("covers[0].name: must be a name"));
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"up/per\""), HasSubstr("/covers/0/name: must be a name"));
   EXPECT_THAT(refused("[1,0,0,0]", "[-1,0,0,0]"), HasSubstr("mirrors the cover"));
   EXPECT_THAT(refused("[1,0,0,0]", "[2,0,0,0]"), HasSubstr("unit vectors"));
 }

@@ -108,7 +108,7 @@ TEST(PolygonFiles, geojson_that_is_not_one_polygon_is_refused_by_name) {
       {R"({"type":"Polygon","coordinates":[[["0","0"],[100,0],[100,80],["0","0"]]]})",
        "outer ring, vertex 0: must be two numbers"},
       {R"({"type":"Polygon","coordinates":[[[0,0],[100,0],[100,80],[0,80]]]})", "vertex 3: the ring is open"},
-      {R"({"type":"Polygon","coordinates":[],"coordinates":)" + kCoordinates + "}", "stands twice"},
+      {R"({"type":"Polygon","coordinates":[],"coordinates":)" + kCoordinates + "}", "appears twice"},
   });
 }
 

@@ -228,16 +228,16 @@ TEST_F(EffectFile, ReadsThem) {
 
 TEST_F(EffectFile, NamesWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
-      {R"("layer":{"poisson":0.5})", "effects.layer.poisson"},
+      {R"("layer":{"poisson":0.5})", "/effects/layer/poisson"},
       {R"("layer":{"depth_mm":2})", "key \"depth_mm\" is unknown"},
       {R"("temperature":{"points":[]})", "give at least one"},
       {R"("temperature":{"points":[{"at_s":2,"celsius":20},{"at_s":1,"celsius":20}]})", "is earlier than"},
-      {R"("humidity":{"points":[{"at_s":0,"percent":120}]})", "effects.humidity.points[0].percent"},
-      {R"("crosstalk":2)", "effects.crosstalk"},
+      {R"("humidity":{"points":[{"at_s":0,"percent":120}]})", "/effects/humidity/points/0/percent"},
+      {R"("crosstalk":2)", "/effects/crosstalk"},
       {R"("supply":{"joint_ohm":1})", "points"},
-      {R"("supply":{"points":[{"at_s":0,"volts":33}]})", "effects.supply.points[0].volts"},
-      {R"("supply":{"points":[{"at_s":0,"volts":3.3}],"cable_ohm":-1})", "effects.supply.cable_ohm"},
-      {R"("edges":{"pull_up_ohm":0})", "effects.edges.pull_up_ohm"},
+      {R"("supply":{"points":[{"at_s":0,"volts":33}]})", "/effects/supply/points/0/volts"},
+      {R"("supply":{"points":[{"at_s":0,"volts":3.3}],"cable_ohm":-1})", "/effects/supply/cable_ohm"},
+      {R"("edges":{"pull_up_ohm":0})", "/effects/edges/pull_up_ohm"},
       {R"("edges":{"extra_nf":1})", "key \"extra_nf\" is unknown"},
       {R"("emi":[{"for_s":2,"every_s":1,"counts":5}])", "would never end"},
       {R"("emi":[{"counts":5}])", "for_s"},

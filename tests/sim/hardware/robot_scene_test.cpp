@@ -108,25 +108,25 @@ TEST_F(RobotSceneCase, a_fault_between_two_buses_is_refused) {
 
 class BadRobotScenes : public RobotSceneCase, public testing::WithParamInterface<BadScene> {};
 
-TEST_P(BadRobotScenes, are_refused_with_file_line_and_remedy) {
-  EXPECT_THAT(robot_error_of(GetParam().line), AllOf(HasSubstr("r.json:3: "), HasSubstr(GetParam().remedy)));
+TEST_P(BadRobotScenes, are_refused_with_file_path_and_remedy) {
+  EXPECT_THAT(robot_error_of(GetParam().line), AllOf(HasSubstr("r.json: /"), HasSubstr(GetParam().remedy)));
 }
 
 constexpr BadScene kBad[] = {
-    {R"("contacts":[{"module":1}])", "contacts[0]: needs \"part\": forearm, torso"},
+    {R"("contacts":[{"module":1}])", "/contacts/0: needs \"part\": forearm, torso"},
     {R"("contacts":[7])", "must be an object"},
-    {R"("contacts":[{"part":"leg","module":1}])", "part: \"leg\" is no part of the robot; it has forearm, torso"},
+    {R"("contacts":[{"part":"leg","module":1}])", "part: \"leg\" is not a part of the robot; it has forearm, torso"},
     {R"("contacts":[{"part":1,"module":1}])", "must be a text"},
     {R"("contacts":[{"part":"forearm","module":7}])", "must be in 0 … 5"},
     {R"("contacts":[{"part":"torso","position_mm":[15,9,500]}])", "the nearest is 500.0 mm away"},
     {R"("contacts":[{"part":"torso","module":1,"until_s":2,"to":{"part":"forearm","module":1}}])", "is unknown"},
-    {R"("faults":[{"kind":"removed_chip","module":1}])", "faults[0]: needs \"part\""},
+    {R"("faults":[{"kind":"removed_chip","module":1}])", "/faults/0: needs \"part\""},
     {R"("faults":[{"part":"forearm","kind":"stuck_line","patch":1,"line":0}])", "patch: must be in 0 … 0"},
-    {R"("expect":[{"at_s":1,"module":1,"pressed":true}])", "expect[0]: needs \"part\""},
-    {R"("expect":[{"at_s":1,"part":"head","pressed":true}])", "\"head\" is no part of the robot"},
+    {R"("expect":[{"at_s":1,"module":1,"pressed":true}])", "/expect/0: needs \"part\""},
+    {R"("expect":[{"at_s":1,"part":"head","pressed":true}])", "\"head\" is not a part of the robot"},
     {R"("effects":{"bus_bit_rate":1000000})", "stands in the robot file, at each bus"},
     {R"("effects":{"clock_ppm":[1,2]})", "such as {\"torso\": [20, -30]}"},
-    {R"("effects":{"clock_ppm":{"leg":[1]}})", "\"leg\" is no part of the robot"},
+    {R"("effects":{"clock_ppm":{"leg":[1]}})", "\"leg\" is not a part of the robot"},
     {R"("effects":{"clock_ppm":{"forearm":[1,2]}})", "has 2 clocks, the design has 1 controllers"},
 };
 INSTANTIATE_TEST_SUITE_P(Robots, BadRobotScenes, testing::ValuesIn(kBad));

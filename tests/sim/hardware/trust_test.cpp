@@ -12,8 +12,8 @@
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "triskin/layout/flash_pages.hpp"
 #include "triskin/hardware/virtual_skin.hpp"
+#include "triskin/layout/flash_pages.hpp"
 
 namespace triskin::hardware {
 namespace {
@@ -46,7 +46,7 @@ TEST_F(SceneTrust, a_moving_contact_counts_along_its_path) {
 TEST_F(SceneTrust, a_contact_on_a_pad_that_feels_nothing_is_refused) {
   for (const char* pad : {"6", "10"}) {
     const std::string contact = std::string(R"("contacts":[{"module":1,"taxel":)") + pad + "}]";
-    EXPECT_THAT(error_with(contact), AllOf(HasSubstr("contacts[0].taxel"), HasSubstr("feels no finger"))) << pad;
+    EXPECT_THAT(error_with(contact), AllOf(HasSubstr("/contacts/0/taxel"), HasSubstr("feels no finger"))) << pad;
   }
   EXPECT_EQ(error_with(R"("contacts":[{"module":1,"taxel":5}])"), "no error");
 }

@@ -31,7 +31,7 @@ TEST_F(SceneCommands, an_expectation_that_fails_gives_status_1_and_what_was_seen
            "expect":[{"at_s":0.8,"pressed":false},{"at_s":1.5,"module":4,"more_than_n":50}])");
   const Outcome person = run("simulate s.json --check");
   EXPECT_EQ(person.status, 1);
-  EXPECT_THAT(person.out, AllOf(HasSubstr("ok      expect[0]"), HasSubstr("FAILED  expect[1]"),
+  EXPECT_THAT(person.out, AllOf(HasSubstr("ok      /expect/0"), HasSubstr("FAILED  /expect/1"),
                                 HasSubstr("module 4 reports more than 50 N (1 sample: "), HasSubstr("1 of 2")));
   const Outcome program = run("simulate s.json --check --json");
   EXPECT_EQ(program.status, 1);
@@ -44,12 +44,12 @@ TEST_F(SceneCommands, an_expectation_that_fails_gives_status_1_and_what_was_seen
   EXPECT_EQ(run("simulate s.json --check").status, 0);
 }
 
-TEST_F(SceneCommands, a_bad_scene_gives_status_2_with_file_and_line) {
+TEST_F(SceneCommands, a_bad_scene_gives_status_2_with_file_and_path) {
   scene(R"("expect":[{"at_s":1,"module":4,
            "pressd":true}])");
   const Outcome bad = run("simulate s.json --check");
   EXPECT_EQ(bad.status, 2);
-  EXPECT_THAT(bad.messages, AllOf(HasSubstr("s.json:3: expect[0]: "), HasSubstr("\"pressd\" is unknown")));
+  EXPECT_THAT(bad.messages, AllOf(HasSubstr("s.json: /expect/0/pressd: "), HasSubstr("\"pressd\" is unknown")));
   scene(R"("seed":1)");
   EXPECT_EQ(run("simulate s.json --check").status, 2);
   EXPECT_EQ(run("simulate s.json --check --listen 127.0.0.1:0").status, 2);

@@ -7,8 +7,8 @@
 
 #include "app/cli/shell_case.hpp"
 #include "guarantees/faulty_program.hpp"
-#include "support/strip_design.hpp"
 #include "output/view/browser.hpp"
+#include "support/strip_design.hpp"
 
 namespace triskin::test {
 namespace {
@@ -61,7 +61,7 @@ TEST_F(RobotScenes, an_expectation_that_fails_gives_status_1_and_names_the_part)
            "expect":[{"at_s":1.5,"part":"torso","module":4,"pressed":true}])");
   const Outcome checked = run("simulate s.json --check");
   EXPECT_EQ(checked.status, 1);
-  EXPECT_THAT(checked.out, HasSubstr("FAILED  expect[0]: at 1.5 s module 4 of torso is pressed (1 sample: 0 counts"));
+  EXPECT_THAT(checked.out, HasSubstr("FAILED  /expect/0: at 1.5 s module 4 of torso is pressed (1 sample: 0 counts"));
 }
 
 TEST_F(RobotScenes, device_commands_take_the_scene) {
@@ -123,7 +123,7 @@ TEST_F(RobotScenes, a_scene_of_another_robot_or_of_a_design_is_refused) {
   write_file_atomically(folder_ / "d.json", R"({"format":"triskin-scene","version":1,"design":"six.json"})");
   const Outcome design = run("record bot.json --scene d.json --seconds 1 -o x");
   EXPECT_EQ(design.status, 2);
-  EXPECT_THAT(design.messages, AllOf(HasSubstr("d.json:1: "), HasSubstr("is a scene of one design")));
+  EXPECT_THAT(design.messages, AllOf(HasSubstr("d.json: /design: "), HasSubstr("is a scene of one design")));
   const Outcome robot = run("record six.json --link sim --scene s.json --seconds 1 -o x.mcap");
   EXPECT_EQ(robot.status, 2);
   EXPECT_THAT(robot.messages, HasSubstr("give its robot file in place of the design"));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/file_head.hpp"
@@ -71,7 +72,7 @@ void read_places(const JsonValue& places, BoardCalibration& board) {
   for (std::size_t k = 0; k < places.size(); ++k) {
     const PlaceCalibration place = place_in(places.at(k));
     if (board.at(place.line, place.address) != nullptr)
-      places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
+      places.at(k).fail(fmt::format("line {}, address {} appears twice", place.line, place.address));
     board.places.push_back(place);
   }
 }
@@ -125,16 +126,15 @@ std::string calibration_text(std::span<const BoardCalibration> boards) {
 
 std::vector<BoardCalibration> parse_calibration(const std::string& text, const std::string& name) {
   const nlohmann::json document = parse_json(text, name);
-  const JsonValue v(document, name, "");
-  require_format(v, kCalibrationFormat, "triskin calibrate");
-  require_version(v, kCalibrationVersion, "calibrate again, or use the release that wrote it");
+  const JsonValue v(document, name);
+  require_head(v, kCalibrationFormat, kCalibrationVersion, "calibrate again, or use the release that wrote it");
   only_keys(v, {"format", "version", "boards"}, kCalibrationPage);
   std::vector<BoardCalibration> boards;
   const JsonValue list = v["boards"];
   for (std::size_t k = 0; k < list.size(); ++k) {
     BoardCalibration board = board_in(list.at(k));
     if (std::ranges::find(boards, board.serial, &BoardCalibration::serial) != boards.end())
-      list.at(k)["serial"].fail("the controller stands twice");
+      list.at(k)["serial"].fail("the controller appears twice");
     boards.push_back(std::move(board));
   }
   return boards;

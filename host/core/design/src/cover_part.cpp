@@ -2,6 +2,7 @@
 #include "triskin/design/cover_part.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "triskin/design/json_fields.hpp"
 

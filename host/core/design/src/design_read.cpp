@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <cmath>
-#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "alternatives_json.hpp"
 #include "mesh_json.hpp"
 #include "regions_json.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
+#include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -54,15 +58,6 @@ auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
 }
 
-// Files of version 0.1 have no limits for lift and depth.
-void read_side_limits(const JsonValue& v, LayoutLimits& l) {
-  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-  if (has(v, "fold_away_rad")) l.fold_away_rad = magnitude(v["fold_away_rad"]);
-  if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
-  l.lift_mm = has(v, "lift_mm") ? magnitude(v["lift_mm"]) : kNoLimit;
-  l.depth_mm = has(v, "lift_mm") ? magnitude(v["depth_mm"]) : kNoLimit;
-}
-
 void read_limits(const JsonValue& v, LayoutLimits& l) {
   only_keys(v,
             {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm", "jumper_mm",
@@ -74,8 +69,11 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.fold_rad = magnitude(v["fold_rad"]);
   l.penetration_mm = magnitude(v["penetration_mm"]);
   l.overrun_mm = magnitude(v["overrun_mm"]);
+  l.lift_mm = magnitude(v["lift_mm"]);
+  l.depth_mm = magnitude(v["depth_mm"]);
   if (has(v, "jumper_mm")) l.jumper_mm = magnitude(v["jumper_mm"]);
-  read_side_limits(v, l);
+  if (has(v, "fold_away_rad")) l.fold_away_rad = magnitude(v["fold_away_rad"]);
+  if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
 }
 
 void read_jumper_ends(const JsonValue& modules, const JsonValue& sides, std::size_t n_modules, Jumper& j) {
@@ -172,7 +170,7 @@ void read_deviations(const JsonValue& v, PlacedModule& m) {
   m.hinge_gap_mm = triple(v["hinge_gap_mm"], magnitude);
   m.fold_rad = triple(v["fold_rad"], magnitude);
   m.center_gap_mm = magnitude(v["center_gap_mm"]);
-  if (has(v, "edge_lift_mm")) m.edge_lift_mm = magnitude(v["edge_lift_mm"]);
+  m.edge_lift_mm = magnitude(v["edge_lift_mm"]);
   m.edge_depth_mm = magnitude(v["edge_depth_mm"]);
   m.penetration_mm = magnitude(v["penetration_mm"]);
   m.overrun_mm = magnitude(v["overrun_mm"]);
@@ -220,8 +218,7 @@ FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
   f.other_node = index_or_none(n_modules)(v["other"]);
   f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
   f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
-  // Files of version 0.1 have only the number for one entry.
-  f.lost_one_entry = has(v, "lost_one_entry") ? v["lost_one_entry"].integer(0, kMaxCount) : f.lost_rerouted;
+  f.lost_one_entry = v["lost_one_entry"].integer(0, kMaxCount);
   f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
   return f;
 }
@@ -268,7 +265,7 @@ void read_kinds(const JsonValue& v, Design& d) {
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
     const JsonValue name = v["modules"].at(k)["kind"];
     const std::optional<int> kind = number_of_kind(d.kinds, name.text());
-    if (!kind) name.fail(fmt::format("\"{}\" is no kind of this design", name.text()));
+    if (!kind) name.fail(fmt::format("\"{}\" is not a kind of this design", name.text()));
     d.layout.modules[k].kind = *kind;
   }
 }
@@ -283,7 +280,6 @@ void read_largest_deviations(const JsonValue& v, Design::Report& r) {
   r.max_edge_error_mm = magnitude(v["max_edge_error_mm"]);
   r.max_hinge_gap_mm = magnitude(v["max_hinge_gap_mm"]);
   r.max_center_gap_mm = magnitude(v["max_center_gap_mm"]);
-  if (!has(v, "max_edge_lift_mm")) return;
   r.max_edge_lift_mm = magnitude(v["max_edge_lift_mm"]);
   r.max_edge_depth_mm = magnitude(v["max_edge_depth_mm"]);
 }
@@ -346,15 +342,8 @@ void require_derived(const JsonValue& v, const PlacedModule& module, const Modul
 }
 
 void check_head(const JsonValue& v) {
-  require_format(v, "triskin-design");
-  const int version = v["version"].integer(0, kMaxCount);
-  if (version != Design::kVersion && version != Design::kJumperVersion) {
-    v["version"].fail(
-        fmt::format("is {}, this program reads {} and {}; make the design again or use the matching release", version,
-                    Design::kVersion, Design::kJumperVersion));
-  }
-  if (has(v, "jumpers") != (version == Design::kJumperVersion))
-    v["version"].fail(fmt::format("is {}: version {} and no other has \"jumpers\"", version, Design::kJumperVersion));
+  require_head(v, "triskin-design", has(v, "jumpers") ? Design::kJumperVersion : Design::kVersion,
+               "make the design again, or use the release that wrote it");
   only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",     "limits",
                 "method", "islands", "pieces", "modules",       "patches", "refused", "report",      "side",
                 "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives"},
@@ -412,7 +401,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   if (!begins_as_json_object(text))
     throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", file));
   const nlohmann::json document = parse_json(text, file);
-  const JsonValue v(document, file, "");
+  const JsonValue v(document, file);
   check_head(v);
   Design d;
   d.name = v["name"].text();

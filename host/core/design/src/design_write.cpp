@@ -35,22 +35,18 @@ json side_json(const PartSide& side) {
   return j;
 }
 
-// Files from before these limits must not change when they are written again.
-bool limits_sides(const LayoutLimits& l) {
-  return std::isfinite(l.lift_mm) && std::isfinite(l.depth_mm);
-}
-
 json limits_json(const LayoutLimits& l, bool with_jumpers) {
-  json limits = {{"edge_error_mm", l.edge_error_mm},   {"hinge_gap_mm", l.hinge_gap_mm},
-                 {"center_gap_mm", l.center_gap_mm},   {"fold_rad", l.fold_rad},
-                 {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
+  json limits = {{"edge_error_mm", l.edge_error_mm},
+                 {"hinge_gap_mm", l.hinge_gap_mm},
+                 {"center_gap_mm", l.center_gap_mm},
+                 {"fold_rad", l.fold_rad},
+                 {"penetration_mm", l.penetration_mm},
+                 {"overrun_mm", l.overrun_mm},
+                 {"lift_mm", l.lift_mm},
+                 {"depth_mm", l.depth_mm}};
   if (std::isfinite(l.fold_away_rad)) limits["fold_away_rad"] = l.fold_away_rad;
   if (std::isfinite(l.fold_towards_rad)) limits["fold_towards_rad"] = l.fold_towards_rad;
   if (with_jumpers) limits["jumper_mm"] = l.jumper_mm;
-  if (limits_sides(l)) {
-    limits["lift_mm"] = l.lift_mm;
-    limits["depth_mm"] = l.depth_mm;
-  }
   return limits;
 }
 
@@ -96,6 +92,7 @@ json module_json(const PlacedModule& m, int id, const ModuleWiring& wiring) {
           {"hinge_gap_mm", m.hinge_gap_mm},
           {"fold_rad", m.fold_rad},
           {"center_gap_mm", m.center_gap_mm},
+          {"edge_lift_mm", m.edge_lift_mm},
           {"edge_depth_mm", m.edge_depth_mm},
           {"penetration_mm", m.penetration_mm},
           {"overrun_mm", m.overrun_mm},
@@ -144,13 +141,11 @@ json report_json(const Design& design) {
                  {"max_edge_error_mm", r.max_edge_error_mm},
                  {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                  {"max_center_gap_mm", r.max_center_gap_mm},
+                 {"max_edge_lift_mm", r.max_edge_lift_mm},
+                 {"max_edge_depth_mm", r.max_edge_depth_mm},
                  {"seconds", r.seconds}};
   if (!design.layout.jumpers.empty()) report["jumpers_lower_bound"] = r.jumpers_lower_bound;
   if (design.layout.corner_cut_mm > 0.0) report["coverage_cut"] = r.coverage_cut;
-  if (limits_sides(design.limits)) {
-    report["max_edge_lift_mm"] = r.max_edge_lift_mm;
-    report["max_edge_depth_mm"] = r.max_edge_depth_mm;
-  }
   return report;
 }
 
@@ -170,7 +165,6 @@ json modules_json(const Design& design) {
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const PlacedModule& m = design.layout.modules[k];
     modules.push_back(module_json(m, static_cast<int>(k), wiring[k]));
-    if (limits_sides(design.limits)) modules.back()["edge_lift_mm"] = m.edge_lift_mm;
     // The file has no key for kinds if all modules are standard.
     if (!design.kinds.empty()) modules.back()["kind"] = kind_of(design.kinds, m.kind).name;
   }
@@ -221,7 +215,7 @@ json document_of(const Design& design) {
 void write_design(const std::filesystem::path& path, const Design& design) {
   json file = document_of(design);
   if (design.side) file["side"] = side_json(*design.side);
-  // Files without a cut stay as older versions wrote them.
+  // A design of whole triangles has no such key.
   if (design.layout.corner_cut_mm > 0.0) file["corner_cut_mm"] = design.layout.corner_cut_mm;
   if (!design.kinds.empty()) file["kinds"] = kind_plan_json(design.kinds);
   write_alternatives(design, file);

@@ -1,206 +1,155 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/design/json_value.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <charconv>
-#include <iterator>
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
+#include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
 
 namespace triskin::design {
 namespace {
 
-// The parser is recursive, so the depth is limited before it runs.
-void require_shallow(const std::string& text, const std::string& file) {
-  int depth = 0;
-  bool in_text = false;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (in_text) {
-      if (c == '\\') ++k;
-      if (c == '"') in_text = false;
-    } else if (c == '"') {
-      in_text = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > 64) throw InputError(fmt::format("{}: nested deeper than 64", file));
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
+constexpr std::size_t kMaxLevels = 64;
+
+// A key of a path: RFC 6901 writes ~ as ~0 and / as ~1.
+std::string escaped(std::string_view key) {
+  std::string out;
+  for (const char c : key) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return out;
 }
 
-// Remembers the keys of the open objects and refuses a repeated one.
-struct RepeatedKey {
-  std::string key;
-};
-class KeysOnce {
+// Reads a text without storing its values, and refuses what the library's parser would take or not survive.
+class Examiner : public nlohmann::json_sax<nlohmann::json> {
  public:
-  bool operator()(int /*depth*/, nlohmann::json::parse_event_t event, nlohmann::json& value) {
-    using Event = nlohmann::json::parse_event_t;
-    if (event == Event::object_start) open_.emplace_back();
-    if (event == Event::object_end) open_.pop_back();
-    if (event == Event::key && !open_.back().insert(value.get<std::string>()).second)
-      throw RepeatedKey{value.get<std::string>()};
+  Examiner(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+
+  bool null() override { return value(); }
+  bool boolean(bool /*value*/) override { return value(); }
+  bool number_integer(std::int64_t /*value*/) override { return value(); }
+  bool number_unsigned(std::uint64_t /*value*/) override { return value(); }
+  bool number_float(double /*value*/, const std::string& /*token*/) override { return value(); }
+  bool string(std::string& /*value*/) override { return value(); }
+  bool binary(nlohmann::json::binary_t& /*value*/) override { return value(); }
+  bool start_object(std::size_t /*elements*/) override { return open(); }
+  bool start_array(std::size_t /*elements*/) override { return open(); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(std::string& name) override {
+    if (!open_.back().keys.insert(name).second)
+      throw InputError(
+          fmt::format("{}: {}: key \"{}\" appears twice in one object; leave one out", file_, path(), name));
+    open_.back().step = escaped(name);
     return true;
   }
-
- private:
-  std::vector<std::set<std::string>> open_;
-};
-
-// Counts the lines that a parser has consumed.
-class CountedText {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-  CountedText(const char* at, std::size_t& lines) : at_(at), lines_(&lines) {}
-  reference operator*() const { return *at_; }
-  CountedText& operator++() {
-    if (*at_++ == '\n') ++*lines_;
-    return *this;
-  }
-  CountedText operator++(int) {
-    const CountedText before = *this;
-    ++*this;
-    return before;
-  }
-  bool operator==(const CountedText& other) const { return at_ == other.at_; }
-  bool operator!=(const CountedText& other) const { return at_ != other.at_; }
-
- private:
-  const char* at_;
-  std::size_t* lines_;
-};
-
-// The parser does not say where it was when it found a repeated key or a huge number, so the text is parsed once more.
-std::size_t line_of_failure(const std::string& text) {
-  std::size_t line = 1;
-  try {
-    [[maybe_unused]] const nlohmann::json parsed =
-        nlohmann::json::parse(CountedText(text.data(), line), CountedText(text.data() + text.size(), line), KeysOnce());
-  } catch (const RepeatedKey&) {
-    return line;
-  } catch (const nlohmann::json::exception&) {
-    return line;
-  }
-  return line;
-}
-
-// Scans JSON text without storing its values.
-class JsonWalk {
- public:
-  explicit JsonWalk(const std::string& text) : text_(text) { skip_space(); }
-  [[nodiscard]] std::size_t line() const {
-    return 1 +
-           static_cast<std::size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n'));
-  }
-  // Moves to the value of a key, or stays in place if there is no such key.
-  bool enter(const std::string& key) {
-    const std::size_t begin = at_;
-    for (bool more = open('{'); more; more = next('}')) {
-      const std::size_t key_begin = at_;
-      skip_value();
-      const bool found = text_.compare(key_begin, at_ - key_begin, '"' + key + '"') == 0;
-      skip_space();
-      if (at_ < text_.size()) ++at_;  // Here the scan skips the colon.
-      skip_space();
-      if (found) return true;
-      skip_value();
-    }
-    at_ = begin;
-    return false;
-  }
-  bool enter(std::size_t index) {
-    const std::size_t begin = at_;
-    for (bool more = open('['); more; more = next(']')) {
-      if (index-- == 0) return true;
-      skip_value();
-    }
-    at_ = begin;
-    return false;
+  bool parse_error(std::size_t position, const std::string& /*token*/,
+                   const nlohmann::json::exception& error) override {
+    constexpr int kNumberOverflow = 406;  // the only error of which the library's message names no line
+    if (error.id != kNumberOverflow)
+      throw InputError(fmt::format("{}: is not JSON: {}", file_, json_cause(error.what())));
+    const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(position, text_.size()));
+    throw InputError(fmt::format("{}: is not JSON: line {}: {}", file_, 1 + std::count(text_.begin(), end, '\n'),
+                                 json_cause(error.what())));
   }
 
  private:
-  void skip_space() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || (text_[at_] >= '\t' && text_[at_] <= '\r'))) ++at_;
+  struct Open {
+    std::set<std::string> keys;
+    std::string step;  ///< last key, or number of the last element
+    int elements = 0;
+  };
+
+  bool value() {
+    if (!open_.empty() && open_.back().keys.empty()) open_.back().step = std::to_string(open_.back().elements++);
+    return true;
   }
-  bool open(char bracket) {
-    if (at_ >= text_.size() || text_[at_] != bracket) return false;
-    ++at_;
-    skip_space();
-    return at_ < text_.size() && text_[at_] != '}' && text_[at_] != ']';
+  bool open() {
+    value();
+    if (open_.size() == kMaxLevels) throw InputError(fmt::format("{}: nested deeper than {}", file_, kMaxLevels));
+    open_.emplace_back();
+    return true;
   }
-  bool next(char end) {
-    skip_space();
-    if (at_ >= text_.size() || text_[at_] == end) return false;
-    ++at_;  // Here the scan skips the comma.
-    skip_space();
-    return at_ < text_.size();
+  bool close() {
+    open_.pop_back();
+    return true;
   }
-  void skip_text() {
-    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
-      if (text_[at_] == '\\') ++at_;
-    }
-    if (at_ < text_.size()) ++at_;
-  }
-  void skip_value() {
-    int depth = 0;
-    do {
-      const char c = at_ < text_.size() ? text_[at_] : '\0';
-      if (c == '"') {
-        skip_text();
-      } else if (c == '{' || c == '[') {
-        ++depth, ++at_;
-      } else if (c == '}' || c == ']') {
-        --depth, ++at_;
-      } else if (depth > 0) {
-        ++at_;
-      } else {
-        while (at_ < text_.size() && text_.find_first_of(",]}: \t\r\n", at_) != at_) ++at_;
-      }
-    } while (depth > 0 && at_ < text_.size());
+  [[nodiscard]] std::string path() const {
+    if (open_.size() == 1) return "top level";
+    std::string all;
+    for (std::size_t k = 0; k + 1 < open_.size(); ++k) all += '/' + open_[k].step;
+    return all;
   }
 
   const std::string& text_;
-  std::size_t at_ = 0;
+  const std::string& file_;
+  std::vector<Open> open_;
 };
 
 }  // namespace
 
-std::size_t line_of(const std::string& text, const std::string& place) {
-  JsonWalk walk(text);
-  for (std::size_t k = 0; k < place.size();) {
-    const std::size_t end = std::min(place.find_first_of(place[k] == '[' ? "]" : ".[", k), place.size());
-    std::size_t index = 0;
-    const bool in_list = place[k] == '[';
-    // An unknown key may also contain brackets.
-    if (in_list && std::from_chars(place.data() + k + 1, place.data() + end, index).ec != std::errc{}) break;
-    if (!(in_list ? walk.enter(index) : walk.enter(place.substr(k, end - k)))) break;
-    k = end;
-    if (k < place.size() && (place[k] == ']' || place[k] == '.')) ++k;
-    if (k < place.size() && place[k] == '.') ++k;
-  }
-  return walk.line();
+nlohmann::json parse_json(const std::string& text, const std::string& file) {
+  Examiner examiner(text, file);
+  (void)nlohmann::json::sax_parse(text, &examiner);
+  return nlohmann::json::parse(text);
 }
 
-// A repeated key is refused, because the parser would silently drop one of the two values.
-nlohmann::json parse_json(const std::string& text, const std::string& file) {
-  require_shallow(text, file);
-  try {
-    return nlohmann::json::parse(text, KeysOnce());
-  } catch (const RepeatedKey& e) {
-    throw InputError(
-        fmt::format("{}:{}: key \"{}\" stands twice in one object; leave one out", file, line_of_failure(text), e.key));
-  } catch (const nlohmann::json::parse_error& e) {
-    throw InputError(fmt::format("{}: is not JSON: {}", file, json_cause(e.what())));
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(fmt::format("{}:{}: is not JSON: a number is out of range", file, line_of_failure(text)));
-  }
+void JsonValue::fail(const std::string& what) const {
+  throw InputError(fmt::format("{}: {}: {}", file_, path_.empty() ? "top level" : path_, what));
+}
+
+void JsonValue::fail_at_key(const std::string& key, const std::string& what) const {
+  JsonValue(value_, file_, below(key)).fail(what);
+}
+
+JsonValue JsonValue::operator[](const char* key) const {
+  if (!value_.is_object()) fail("must be an object");
+  const auto found = value_.find(key);
+  if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
+  return {*found, file_, below(key)};
+}
+
+JsonValue JsonValue::at(std::size_t index) const {
+  if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
+  return {value_[index], file_, below(std::to_string(index))};
+}
+
+std::size_t JsonValue::size() const {
+  if (!value_.is_array()) fail("must be an array");
+  return value_.size();
+}
+
+void JsonValue::require_size(std::size_t n) const {
+  if (size() != n) fail(fmt::format("must have {} elements, has {}", n, size()));
+}
+
+double JsonValue::number() const {
+  if (!value_.is_number()) fail("must be a number");
+  const double x = value_.get<double>();
+  if (!std::isfinite(x)) fail("must be finite");
+  return x;
+}
+
+int JsonValue::integer(int low, int high) const {
+  if (!value_.is_number_integer()) fail("must be an integer");
+  const bool huge = value_.is_number_unsigned() && value_.get<std::uint64_t>() > 0x7FFFFFFFU;
+  const auto x = huge ? std::int64_t{0x7FFFFFFF} : value_.get<std::int64_t>();
+  if (huge || x < low || x > high) fail(fmt::format("must be in {} … {}", low, high));
+  return static_cast<int>(x);
+}
+
+std::uint64_t JsonValue::unsigned_integer() const {
+  if (!value_.is_number_unsigned()) fail("must be a whole number that is not negative");
+  return value_.get<std::uint64_t>();
+}
+
+bool JsonValue::boolean() const {
+  if (!value_.is_boolean()) fail("must be true or false");
+  return value_.get<bool>();
 }
 
 std::string JsonValue::text() const {
@@ -208,9 +157,12 @@ std::string JsonValue::text() const {
   return value_.get<std::string>();
 }
 
-void require_format(const JsonValue& v, std::string_view wanted) {
-  const std::string format = v["format"].text();
-  if (format != wanted) v["format"].fail(fmt::format("is \"{}\", and this file must be \"{}\"", format, wanted));
+std::string JsonValue::below(std::string_view key) const {
+  return fmt::format("{}/{}", path_, escaped(key));
+}
+
+bool has(const JsonValue& v, const char* key) {
+  return v.raw().is_object() && v.raw().contains(key);
 }
 
 }  // namespace triskin::design

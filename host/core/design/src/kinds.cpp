@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/design/kinds.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
@@ -34,10 +38,10 @@ void require_known(const CoverPart& region, std::size_t number, const ModuleLayo
   };
   const auto count = static_cast<int>(layout.modules.size());
   if (const auto* island = std::get_if<IslandPart>(&region); island != nullptr && island->island >= layout.islands)
-    refuse(fmt::format("island {} is not there, the design has {}", island->island, layout.islands));
+    refuse(fmt::format("there is no island {}; the design has {}", island->island, layout.islands));
   if (const auto* list = std::get_if<ModulePart>(&region)) {
     for (const int id : list->modules) {
-      if (id >= count) refuse(fmt::format("module {} is not there, the design has {}", id, count));
+      if (id >= count) refuse(fmt::format("there is no module {}; the design has {}", id, count));
     }
   }
 }
@@ -49,7 +53,7 @@ std::vector<ModuleKind> read_own_kinds(const JsonValue& v) {
   std::vector<ModuleKind> kinds;
   for (std::size_t k = 0; k < v.size(); ++k) {
     ModuleKind kind = read_kind(v.at(k));
-    if (std::ranges::find(kinds, kind.name, &ModuleKind::name) != kinds.end()) v.at(k)["name"].fail("stands twice");
+    if (std::ranges::find(kinds, kind.name, &ModuleKind::name) != kinds.end()) v.at(k)["name"].fail("appears twice");
     kinds.push_back(std::move(kind));
   }
   return kinds;
@@ -88,10 +92,9 @@ KindPlan kind_plan_of(const JsonValue& v) {
 }
 KindPlan read_kind_plan(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_text(path), path.string());
-  const JsonValue v(document, path.string(), "");
+  const JsonValue v(document, path.string());
   only_keys(v, {"format", "version", "kinds", "regions"}, kKindsPage);
-  require_format(v, "triskin-kinds");
-  require_version(v, 1);
+  require_head(v, "triskin-kinds", 1, std::string(kKindsPage) + " describes it");
   return kind_plan_of(v);
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/design/module_list.hpp"
 
+#include <fmt/format.h>
+
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "triskin/base/text_file.hpp"
@@ -47,7 +50,7 @@ void join_neighbours(ModuleList& list, const NodeAt& node_at) {
 
 ModuleList read_module_list(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_text(path), path.string());
-  const JsonValue modules = JsonValue(document, path.string(), "")["modules"];
+  const JsonValue modules = JsonValue(document, path.string())["modules"];
   if (modules.size() == 0) modules.fail("is empty; give at least one module");
   ModuleList list;
   NodeAt node_at;
@@ -55,7 +58,7 @@ ModuleList read_module_list(const std::filesystem::path& path) {
   for (std::size_t k = 0; k < modules.size(); ++k) {
     const JsonValue id = modules.at(k)["id"];
     list.ids.push_back(id.integer(0, kMaxId));
-    if (!seen.insert(list.ids.back()).second) id.fail(fmt::format("{} stands twice", list.ids.back()));
+    if (!seen.insert(list.ids.back()).second) id.fail(fmt::format("{} appears twice", list.ids.back()));
     add_module(modules.at(k), list, node_at);
   }
   join_neighbours(list, node_at);

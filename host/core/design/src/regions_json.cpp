@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "regions_json.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "mesh_json.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
@@ -158,10 +160,9 @@ void read_regions_report(const JsonValue& v, int n_patches, Design& design) {
 
 RegionFile read_region_file(const std::filesystem::path& path) {
   const json document = parse_json(read_text(path), path.string());
-  const JsonValue v(document, path.string(), "");
+  const JsonValue v(document, path.string());
   only_keys(v, {"format", "version", "elsewhere", "regions"}, kRegionsPage);
-  require_format(v, "triskin-regions");
-  require_version(v, 1);
+  require_head(v, "triskin-regions", 1, std::string(kRegionsPage) + " describes it");
   RegionFile file;
   if (has(v, "elsewhere")) file.elsewhere = number_in(v["elsewhere"], -kMaxWeight, kMaxWeight);
   file.regions = read_list(v["regions"]);

@@ -19,7 +19,7 @@ std::string rest_text(const RestValues& rest) {
 
 RestValues parse_rest(const std::string& text, const std::string& name, std::size_t modules) {
   const nlohmann::json document = parse_json(text, name);
-  const JsonValue file(document, name, "");
+  const JsonValue file(document, name);
   only_keys(file, {"format", "version", "rest_counts"}, "docs/calibration.md");
   const JsonValue counts = file["rest_counts"];
   counts.require_size(modules);

@@ -5,11 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "address_moves.hpp"
 #include "table_writer.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/file_head.hpp"
@@ -172,7 +174,8 @@ void require_table(const JsonValue& v, const BoardBackup& b) {
   if (b.table.empty()) return;
   const auto image = layout::decode(b.table);
   if (!image)
-    v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", session::describe(image.error())));
+    v["table"].fail(
+        fmt::format("is no table of a controller: {}; save the board again", session::describe(image.error())));
   if (image->node_address != b.node_address)
     v["table"].fail(fmt::format("is for node address {}, the board had {}", image->node_address, b.node_address));
 }
@@ -181,7 +184,8 @@ void require_calibration(const JsonValue& v, const BoardBackup& b) {
   const auto value = b.values.find(wire::Calibration::kId);
   if (value == b.values.end()) return;
   if (const auto kept = wire::Calibration::decode(value->second); !kept)
-    v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", session::describe(kept.error())));
+    v["values"].fail(
+        fmt::format("keeps a calibration that is none: {}; save the board again", session::describe(kept.error())));
 }
 
 /// Each board of the file is paired with the controller that will receive its data.
@@ -235,8 +239,8 @@ class Restoration {
     }
   }
   [[nodiscard]] const wire::NodeClaim& claim_of(const std::string& serial, const BoardBackup& b) const {
-    const auto claim =
-        std::ranges::find_if(claims_, [&](const wire::NodeClaim& c) { return session::to_text(c.unique_id) == serial; });
+    const auto claim = std::ranges::find_if(
+        claims_, [&](const wire::NodeClaim& c) { return session::to_text(c.unique_id) == serial; });
     if (claim == claims_.end())
       throw DeviceError(
           fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
@@ -288,7 +292,8 @@ class Restoration {
     throw InputError(fmt::format(
         "controller {} is a \"{}\", what was kept is of a \"{}\": tables of one kind of board do not fit another; give "
         "a file of this kind of board; nothing was written",
-        session::to_text(p.claim.unique_id), now ? text(*now) : "?", kept != p.board->values.end() ? text(kept->second) : "?"));
+        session::to_text(p.claim.unique_id), now ? text(*now) : "?",
+        kept != p.board->values.end() ? text(kept->second) : "?"));
   }
 
   [[nodiscard]] bool is_paired(const wire::NodeClaim& c) const {
@@ -395,9 +400,8 @@ std::string backup_text(std::span<const BoardBackup> boards) {
 std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_text(path), name);
-  const JsonValue v(document, name, "");
-  design::require_format(v, kBackupFormat, "triskin flash --save");
-  design::require_version(v, kBackupVersion, "use the release that wrote it");
+  const JsonValue v(document, name);
+  design::require_head(v, kBackupFormat, kBackupVersion, "use the release that wrote it");
   design::only_keys(v, {"format", "version", "crc32", "boards"}, kBackupPage);
   const std::uint32_t stated = number_in_hex(v["crc32"], v["crc32"].text(), 8);
   const JsonValue list = v["boards"];

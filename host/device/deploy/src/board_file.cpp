@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/file_head.hpp"
@@ -53,9 +54,8 @@ std::string normal_serial(std::string text) {
 BoardFile read_board_file(const std::filesystem::path& path, const design::Design& design) {
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_text(path), name);
-  const JsonValue v(document, name, "");
-  design::require_format(v, kBoardFormat, "triskin identify");
-  design::require_version(v, kBoardVersion, "make the file again with triskin identify");
+  const JsonValue v(document, name);
+  design::require_head(v, kBoardFormat, kBoardVersion, "make the file again with triskin identify");
   design::only_keys(v, {"format", "version", "design_id", "boards"}, kBoardPage);
   BoardFile file;
   file.design_id = design::hex64(v["design_id"]);

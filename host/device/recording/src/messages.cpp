@@ -26,8 +26,8 @@ void put_each(CdrWriter& w, const Items& items, std::size_t per_item, Put put) {
   for (const auto& item : items) put(item);
 }
 
-// Recordings of version 0.1 end before these times. The controller's clock then tells how the modules differ: by a few
-// ms, in which its drift does not matter.
+// The message has the time of the first module; the controller's clock tells how the others differ: by a few ms, in
+// which its drift does not matter.
 void take_times(CdrReader& r, std::vector<ModuleSample>& samples) {
   const std::uint64_t first_ns = r.u64();
   const std::uint32_t error_us = r.u32();
@@ -100,7 +100,7 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
   each(layout::kTaxelsPerModule, [&](ModuleSample& s) {
     for (std::uint16_t& v : s.sample.value) v = r.u16();
   });
-  if (ok && !r.at_end()) take_times(r, samples);
+  if (ok) take_times(r, samples);
   if (!ok || !r.ok()) return std::nullopt;
   return samples;
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <nlohmann/json.hpp>
 
+#include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/file_head.hpp"
@@ -189,7 +193,7 @@ Eigen::Isometry3d pose_of(const std::array<double, 6>& n) {
 Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file) {
   const nlohmann::json document = design::parse_json(text, file);
   CoverEntry cover;
-  read_pose(JsonValue(document, file, ""), cover);
+  read_pose(JsonValue(document, file), cover);
   return cover.pose;
 }
 
@@ -217,9 +221,8 @@ bool is_robot_file(const std::filesystem::path& path) {
 
 Robot parse_robot(const std::string& text, const std::string& file) {
   const nlohmann::json document = design::parse_json(text, file);
-  const JsonValue v(document, file, "");
-  design::require_format(v, kFormat);
-  design::require_version(v, Robot::kVersion);
+  const JsonValue v(document, file);
+  design::require_head(v, kFormat, Robot::kVersion, std::string(kPage) + " describes it");
   only_keys(v, {"format", "version", "name", "urdf", "buses", "covers"}, kPage);
   Robot robot;
   robot.name = name_in(v["name"]);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -54,7 +55,7 @@ std::string names_in(const design::JsonValue& parts) {
 
 std::vector<Drawn> read_collection(const std::string& text, const std::string& file, const std::string& part) {
   const nlohmann::json document = design::parse_json(text, file);
-  const design::JsonValue parts = design::JsonValue(document, file, "")["ini_2d"];
+  const design::JsonValue parts = design::JsonValue(document, file)["ini_2d"];
   if (!parts.raw().is_object()) parts.fail("must be an object of parts");
   if (!parts.raw().contains(part))
     throw InputError(fmt::format("{}: no part \"{}\"; there are {}", file, part, names_in(parts)));
@@ -189,7 +190,7 @@ SkinGuiLayout read_skingui(const std::filesystem::path& path, const std::string&
         file));
   std::set<int> ids;
   for (const Drawn& d : drawn) {
-    if (!ids.insert(d.id).second) throw InputError(fmt::format("{}: triangle {} stands twice", file, d.id));
+    if (!ids.insert(d.id).second) throw InputError(fmt::format("{}: triangle {} appears twice", file, d.id));
   }
   SkinGuiLayout layout{Layer(drawn, file).run(), {}, 0, 0};
   for (const Drawn& d : drawn) layout.board.push_back(d.board);

@@ -29,7 +29,7 @@ constexpr const char* kOneClaim =
 
 wire::ModuleState read_state(const JsonValue& v) {
   const auto state = kModuleStateNames.value(v.text());
-  if (!state) v.fail("is no state of a module; give " + kModuleStateNames.list());
+  if (!state) v.fail("is not a state of a module; give " + kModuleStateNames.list());
   return *state;
 }
 
@@ -79,7 +79,7 @@ Expectation read_expectation(const SceneNames& names, const JsonValue& v) {
   require_part_of_robot(names, v);
   Expectation e;
   e.part = names.part;
-  e.place = v.place();
+  e.place = v.path();
   e.from_us = scene_time_us(v["at_s"]);
   if (has(v, "until_s")) e.until_us = scene_time_us(v["until_s"]);
   if (e.until_us && *e.until_us <= e.from_us) v["until_s"].fail("must be later than \"at_s\"");

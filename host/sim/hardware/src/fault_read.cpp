@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -61,15 +62,15 @@ void require_keys(const SceneNames& names, const JsonValue& v, FaultKind kind) {
   for (const auto& [key, value] : v.raw().items()) {
     const bool always = key == "kind" || key == "at_s" || key == "until_s" || key == "part";
     if (always || std::ranges::count(allowed, std::string_view(key)) > 0) continue;
-    v.fail_at_key(key, fmt::format("key \"{}\" is unknown for a {}; see docs/scene.md", key,
-                                   kFaultKindNames.name(kind)));
+    v.fail_at_key(key,
+                  fmt::format("key \"{}\" is unknown for a {}; see docs/scene.md", key, kFaultKindNames.name(kind)));
   }
 }
 
 FaultKind read_kind(const SceneNames& names, const JsonValue& v) {
   const std::string text = v.text();
   const auto known = kFaultKindNames.value(text);
-  if (!known) v.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
+  if (!known) v.fail("\"" + text + "\" is not a kind of fault; docs/scene.md lists them");
   if (needs_switched(*known) && !names.switched)
     v.fail("\"" + text + "\" needs \"hardware\": \"switched\" in the scene");
   if (*known == FaultKind::kMovedChip && names.switched)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <string_view>
 #include <utility>
@@ -76,8 +77,7 @@ PressureCurve read_pressure(const JsonValue& list) {
 
 void read_head(const JsonValue& v) {
   constexpr int kVersion = 1;
-  if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
-  design::require_version(v, kVersion);
+  design::require_head(v, "triskin-scene", kVersion, "docs/scene.md describes it");
   only_scene_keys(v, {"format", "version", "design", "robot", "hardware", "border_joints", "seed", "contacts",
                       "controllers", "converters", "pressure", "faults", "effects", "expect"});
   if (has(v, "design") == has(v, "robot")) v.fail("needs either \"design\" or \"robot\": the file that it simulates");
@@ -127,7 +127,7 @@ void read_controller(const SceneNames& names, const JsonValue& v, Scene& scene) 
   only_scene_keys(v, {"part", "patch", "level"});
   require_part_of_robot(names, v);
   const auto level = kControllerLevelNames.value(v["level"].text());
-  if (!level) v["level"].fail("is no level of a controller; give " + kControllerLevelNames.list());
+  if (!level) v["level"].fail("is not a level of a controller; give " + kControllerLevelNames.list());
   if (*level == ControllerLevel::kTable && names.switched)
     v["level"].fail("of switched modules must be \"firmware\", which routes them; the table does not know their chain");
   scene.levels.resize(scene.design.patches.size(), ControllerLevel::kFirmware);
@@ -171,7 +171,7 @@ class PartNames {
   [[nodiscard]] std::size_t index_of(const JsonValue& v, const std::string& name) const {
     const auto found = std::ranges::find(names_, name);
     if (found == names_.end())
-      v.fail(fmt::format("\"{}\" is no part of the robot; it has {}", name, fmt::join(names_, ", ")));
+      v.fail(fmt::format("\"{}\" is not a part of the robot; it has {}", name, fmt::join(names_, ", ")));
     return static_cast<std::size_t>(found - names_.begin());
   }
   [[nodiscard]] const SceneNames& operator[](std::size_t part) const { return of_[part]; }
@@ -289,7 +289,7 @@ Scene scene_of_design(const std::filesystem::path& path) {
 Scene read_scene(const std::filesystem::path& path) {
   const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
-  const JsonValue v(document, file, "", &text);
+  const JsonValue v(document, file);
   if (has(v, "format") && v["format"].raw() == "triskin-design") return scene_of_design(path);
   read_head(v);
   if (has(v, "robot")) v["robot"].fail("is a scene of a robot; give its robot file in place of the design");
@@ -309,7 +309,7 @@ Scene read_scene(const std::filesystem::path& path) {
 bool is_robot_scene(const std::filesystem::path& path) {
   const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
-  return document.is_object() && is_of_robot(JsonValue(document, file, "", &text));
+  return document.is_object() && is_of_robot(JsonValue(document, file));
 }
 
 namespace {
@@ -343,7 +343,7 @@ RobotScene read_robot_scene(const std::filesystem::path& path,
                             const std::function<std::vector<RobotPart>(const std::filesystem::path&)>& parts_of) {
   const std::string file = path.string(), text = read_text(path);
   const nlohmann::json document = design::parse_json(text, file);
-  const JsonValue v(document, file, "", &text);
+  const JsonValue v(document, file);
   read_head(v);
   if (!has(v, "robot")) v["design"].fail("is a scene of one design; a robot needs \"robot\" with its robot file here");
   RobotScene scene;

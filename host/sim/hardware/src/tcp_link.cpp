@@ -77,7 +77,7 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
   if (in.size() < kLengthBytes) return std::nullopt;
   const std::size_t length = ByteReader(in).le32();
   if (length < 1 || length > kMaxBytes)
-    throw DeviceError(fmt::format("the other side is no Triskin simulation of this release; {}", kOtherProgram));
+    throw DeviceError(fmt::format("the other side is not a Triskin simulation of this release; {}", kOtherProgram));
   if (in.size() < kLengthBytes + length) return std::nullopt;
   const auto end = in.begin() + static_cast<std::ptrdiff_t>(kLengthBytes + length);
   Record r{in[kLengthBytes], {in.begin() + kLengthBytes + 1, end}};
@@ -88,7 +88,7 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
 wire::CanFrame frame_of(const Record& r) {
   wire::CanFrame f;
   if (r.contents.size() < 4 || r.contents.size() > 4 + f.data.size())
-    throw DeviceError("a record of the simulation is no frame");
+    throw DeviceError("a record of the simulation is not a frame");
   const std::uint32_t head = ByteReader(r.contents).le32();
   f.extended = (head & kExtended) != 0;
   f.fd = (head & kFd) != 0;
@@ -96,7 +96,7 @@ wire::CanFrame frame_of(const Record& r) {
   f.id = head & kIdMask;
   f.size = static_cast<std::uint8_t>(r.contents.size() - 4);
   if ((!f.extended && f.id > 0x7FF) || (!f.fd && f.size > 8))
-    throw DeviceError("a record of the simulation is no frame");
+    throw DeviceError("a record of the simulation is not a frame");
   std::copy(r.contents.begin() + 4, r.contents.end(), f.data.begin());
   return f;
 }

@@ -11,8 +11,8 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/json_fields.hpp"
-#include "triskin/mechanics/layer.hpp"
 #include "triskin/hardware/skin_place.hpp"
+#include "triskin/mechanics/layer.hpp"
 
 namespace triskin::scenario {
 namespace {
@@ -125,7 +125,7 @@ void read_contact(const design::Design& design, const JsonValue& v, Step& step) 
 Step read_step(const design::Design& design, const std::string& line, std::uint64_t now_us) {
   const std::string name = "contacts";
   const json document = design::parse_json(line, name);
-  const JsonValue v(document, name, "");
+  const JsonValue v(document, name);
   design::only_keys(v, {"time_s", "contacts"}, kPage);
   Step step;
   const double time_s = number_in(v["time_s"], 0.0, 1e7);

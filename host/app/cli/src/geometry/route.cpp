@@ -3,13 +3,14 @@
 
 #include <chrono>
 #include <memory>
+#include <nlohmann/json.hpp>
 
+#include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/check/routing_rules.hpp"
-#include "command.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/design/module_list.hpp"
@@ -168,7 +169,7 @@ Task read_task(const Options& options) {
   if (!options.part.empty() && !options.skingui)
     throw InputError("--part: names a part of a skinGui collection; give --skingui too");
   if (options.jumpers_mm > 0.0 && (options.skingui || !options.checked.empty()))
-    throw InputError("--jumpers-mm: needs a design file, which alone knows where the sides lie in space");
+    throw InputError("--jumper-mm: needs a design file, which alone knows where the sides lie in space");
   Task task;
   if (options.jumpers_mm > 0.0)
     task.places = jumper_places(options.modules, options.jumpers_mm, task.layout.list);
@@ -238,7 +239,8 @@ int report_routes(const routing::RoutingResult& r, std::size_t modules, double b
 int run(const Options& options, Output& output) {
   const Task task = read_task(options);
   const design::ModuleList& list = task.layout.list;
-  if (!options.module_output.empty()) write_output(options.module_output, exports::module_list_json(list).dump() + "\n");
+  if (!options.module_output.empty())
+    write_output(options.module_output, exports::module_list_json(list).dump() + "\n");
   if (!options.checked.empty()) return check_file(options, list, output);
   const routing::RoutingOptions routing = routing_options(options);
   const routing::RoutingResult r = routing::route(list.graph, task.places, routing, output.progress());
@@ -281,7 +283,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--skingui", o.skingui, "MODULES is a skinGui configuration, or with --part a JSON collection of them");
   app.add_option("--part", o.part, "part of the collection, e.g. torso");
   app.add_option("--write-modules", o.module_output, "write the module list that was read to this file");
-  app.add_option("--jumpers-mm", o.jumpers_mm,
+  app.add_option("--jumper-mm", o.jumpers_mm,
                  "MODULES is a design; jumpers up to this long may join its islands where that saves controllers")
       ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--jumper-cost", o.routing.price.jumper, "price of a jumper")
