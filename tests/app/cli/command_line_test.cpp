@@ -82,10 +82,12 @@ TEST_F(CommandLine, the_input_is_never_written_over) {
 TEST_F(CommandLine, a_format_follows_the_extension_or_is_refused) {
   EXPECT_EQ(run("export strip.json -o a.svg").status, 0);
   EXPECT_TRUE(read_file(folder_ / "a.svg").starts_with("<svg"));
-  const Outcome pdf = run("export strip.json --format assembly -o sheet.pdf");
-  EXPECT_EQ(pdf.status, 2);
-  EXPECT_NE(pdf.messages.find(".html"), std::string::npos) << pdf.messages;
-  EXPECT_FALSE(fs::exists(folder_ / "sheet.pdf"));
+  ASSERT_EQ(run("export strip.json -o page.html").status, 0);
+  EXPECT_NE(read_file(folder_ / "page.html").find("<canvas"), std::string::npos);  // the page, not a table
+  const Outcome other = run("export strip.json --format html -o page.pdf");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.messages.find(".html"), std::string::npos) << other.messages;
+  EXPECT_FALSE(fs::exists(folder_ / "page.pdf"));
   EXPECT_EQ(run("export strip.json --format modules -o modules.stl").status, 2);
   EXPECT_EQ(run("export strip.json -o a.png").status, 2);
 }

@@ -7,10 +7,10 @@
 #include <map>
 #include <memory>
 
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "command.hpp"
 #include "recorded_track.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/exports/icub_files.hpp"
 #include "triskin/exports/simulators.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
@@ -48,7 +48,6 @@ std::string on_paper(const design::Design& design, const Options& options) {
 }
 const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<exports::picture_svg>}},
                                              {"taxels", {".taxels.csv", plain<exports::taxels_csv>}},
-                                             {"assembly", {".assembly.html", plain<exports::assembly_html>}},
                                              {"modules", {".modules.obj", plain<exports::modules_obj>}},
                                              {"html", {".html", plain<page>}},
                                              {"gltf", {".gltf", plain<exports::gltf>}},

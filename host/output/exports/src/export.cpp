@@ -68,30 +68,6 @@ std::string kind_name(const design::Design& design, int module) {
   return design::kind_of(design.kinds, design.layout.modules.at(static_cast<std::size_t>(module)).kind).name;
 }
 
-std::string jumpers_html(const design::Design& design, const design::Patch& patch) {
-  std::string rows;
-  for (const design::Jumper& j : design.layout.jumpers) {
-    if (std::ranges::find(patch.modules, j.node[0], &design::RoutedModule::node) == patch.modules.end()) continue;
-    const auto port = [&](std::size_t k) {
-      const auto found = std::ranges::find(patch.modules, j.node[k], &design::RoutedModule::node);
-      const int rotation = found == patch.modules.end() ? 0 : found->rotation;
-      return static_cast<char>('A' + design::port_at_side(j.side[k], rotation));
-    };
-    rows += fmt::format("<tr><td>{}, port {}</td><td>{}, port {}</td><td>{}</td><td>{:.0f} mm</td></tr>\n", j.node[0],
-                        port(0), j.node[1], port(1), design::kJumperKindNames.name(j.kind), std::ceil(j.length_mm));
-  }
-  if (rows.empty()) return {};
-  return "<table><tr><th>jumper from</th><th>to</th><th>kind</th><th>length</th></tr>\n" + rows + "</table>\n";
-}
-
-std::string cutting_html(double corner_cut_mm) {
-  if (corner_cut_mm <= 0.0) return {};
-  return fmt::format(
-      "<p>Before mounting cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} mm and "
-      "short ones of {0:g} mm stay.</p>\n",
-      corner_cut_mm, design::kSide_mm - 2.0 * corner_cut_mm);
-}
-
 std::string coverage_text(const design::Design& design) {
   const double whole = 100.0 * design.report.coverage, cut = 100.0 * design.report.coverage_cut;
   if (design.layout.corner_cut_mm <= 0.0) return fmt::format("coverage {:.0f} %", whole);
@@ -133,39 +109,6 @@ std::string taxels_csv(const design::Design& design) {
     }
   }
   return csv;
-}
-
-std::string assembly_html(const design::Design& design) {
-  std::string html = fmt::format(
-      "<!doctype html><meta "
-      "charset=\"utf-8\"><title>{0}</"
-      "title><style>body{{font-family:sans-serif}}table{{border-collapse:collapse;margin-bottom:2em}}"
-      "td,th{{border:1px solid #888;padding:2px 8px;text-align:right}}</style>\n<h1>{0}: assembly</h1>\n<p>Design "
-      "{1:016x}, {2} modules on {3} controllers. "
-      "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
-      escape_markup(design.name), design.design_id, design.layout.modules.size(), design.patches.size());
-  html += cutting_html(design.layout.corner_cut_mm);
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const design::Patch& patch = design.patches[p];
-    html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p,
-                        design::node_address_of(design, layout::PatchIndex{p}), patch.entry);
-    for (const auto& [a, b] : patch.cut_joints) html += fmt::format(" {}–{}", a, b);
-    html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
-    html +=
-        "<table><tr><th>module</th><th>line strap</th><th>address strap</th><th>turned "
-        "by</th><th>parent</th><th>lattice place</th>";
-    html += design.kinds.empty() ? "</tr>\n" : "<th>kind</th></tr>\n";
-    for (const design::RoutedModule& m : patch.modules) {
-      const auto& tile = design.layout.modules[static_cast<std::size_t>(m.node)].tile;
-      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td>",
-                          m.node, m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
-                          m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
-      html += design.kinds.empty() ? "</tr>\n"
-                                   : fmt::format("<td>{}</td></tr>\n", escape_markup(kind_name(design, m.node)));
-    }
-    html += "</table>\n" + jumpers_html(design, patch);
-  }
-  return html;
 }
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "choose_layout.hpp"
 #include "keep_numbers.hpp"
+#include "kept_wiring.hpp"
 #include "later_steps.hpp"
 #include "seconds_since.hpp"
 #include "triskin/base/counted.hpp"
@@ -32,7 +33,7 @@ constexpr std::string_view kMirroredSuffix = "_mirrored";
 void require_module(const design::Design& d, int id) {
   const auto count = static_cast<int>(d.layout.modules.size());
   if (id < 0 || id >= count)
-    throw InputError(fmt::format("module {} is not there; the design has 0 … {}", id, count - 1));
+    throw InputError(fmt::format("there is no module {}; the design has 0 … {}", id, count - 1));
 }
 
 // Measures the layout and makes jumpers, controllers, wiring and report.
@@ -79,16 +80,30 @@ std::string text_of(const NewPlace& place) {
   return fmt::format("tile {}/{}/{} of island {}", tile.i, tile.j, tile.up ? "up" : "down", island);
 }
 
-// Writes "overrun_mm 4.90 (0.49 is allowed), …", with modules by their old ids.
+// What a limit forbids, as a person would say it; the measured value follows. `other` names a module, or nothing.
+std::string words_of(const std::string& limit, const std::string& other) {
+  const std::string joint = other.empty() ? "the joint" : "the joint with " + other;
+  if (limit == "penetration_mm") return fmt::format("it would overlap {} by", other.empty() ? "another module" : other);
+  if (limit == "overrun_mm") return "it would stick out past an edge by";
+  if (limit == "lift_mm") return "its sides would stand off the surface by";
+  if (limit == "depth_mm") return "its sides would sink into the surface by";
+  if (limit == "center_gap_mm") return "its centre would be off the surface by";
+  if (limit == "hinge_gap_mm") return joint + " would gape by";
+  if (limit == "edge_error_mm") return joint + " would be stretched by";
+  if (limit == "fold_rad") return joint + " would fold by";
+  return limit + " would be";
+}
+
+// Writes "it would stick out past an edge by 4.90 mm (limit 0.49), …", with modules by their old ids.
 std::string text_of(const std::vector<lattice::BrokenLimit>& broken, const std::vector<int>& new_id) {
   std::string text;
   for (const lattice::BrokenLimit& b : broken) {
     const auto old = std::ranges::find(new_id, b.other);
-    const std::string with = b.other < 0           ? ""
-                             : old == new_id.end() ? " with a module that was just added"
-                                                   : fmt::format(" with module {}", old - new_id.begin());
-    text += fmt::format("{}{} {:.2f}{} ({:.2f} is allowed)", text.empty() ? "" : ", ", b.limit, b.measured, with,
-                        b.allowed);
+    const std::string other = b.other < 0           ? ""
+                              : old == new_id.end() ? "a module that was just added"
+                                                    : fmt::format("module {}", old - new_id.begin());
+    text += fmt::format("{}{} {:.2f} {} (limit {:.2f})", text.empty() ? "" : ", ", words_of(b.limit, other), b.measured,
+                        std::string_view(b.limit).ends_with("_rad") ? "rad" : "mm", b.allowed);
   }
   return text;
 }
@@ -99,8 +114,8 @@ void add_one(const NewPlace& place, const mesh::Surface& surface, const mesh::Su
   const BesideModule at = resolved(place, d.layout, result.new_id);
   const auto broken = lattice::add_module(surface, d.limits, regions, d.layout, at.module, at.side);
   if (!broken.empty()) {
-    throw InputError(fmt::format("no module can stand at {}, nor moved a little: there it breaks {}", text_of(place),
-                                 text_of(broken, result.new_id)));
+    throw InputError(
+        fmt::format("No module fits at {}, even shifted slightly: {}", text_of(place), text_of(broken, result.new_id)));
   }
   result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
 }
@@ -113,7 +128,7 @@ void give_kinds(design::Design& d, std::size_t first) {
 }
 
 EditedDesign unchanged(const design::Design& design) {
-  EditedDesign result{design, std::vector<int>(design.layout.modules.size()), {}};
+  EditedDesign result{design, std::vector<int>(design.layout.modules.size()), {}, {}};
   std::iota(result.new_id.begin(), result.new_id.end(), 0);
   return result;
 }
@@ -168,9 +183,10 @@ design::Design take_alternative(const design::Design& design, int index, const P
   const auto start = Clock::now();
   if (index < 0 || index >= static_cast<int>(design.alternatives.size())) {
     throw InputError(
-        design.alternatives.empty()
-            ? std::string("the design has no alternatives; make it again with triskin design")
-            : fmt::format("alternative {} is not there; 0 … {} are", index, design.alternatives.size() - 1));
+        design.alternatives.empty() ? std::string("the design has no alternatives; make it again with triskin design")
+        : design.alternatives.size() == 1
+            ? fmt::format("There is no alternative {}; the only one is 0.", index)
+            : fmt::format("There is no alternative {}; there are 0 … {}.", index, design.alternatives.size() - 1));
   }
   design::Design taken = design;
   const mesh::Surface surface(taken.surface);
@@ -187,7 +203,7 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   for (const NewPlace& place : edit.add) {
     if (const auto* beside = std::get_if<BesideModule>(&place)) require_module(design, beside->module);
   }
-  EditedDesign result{design, {}, {}};
+  EditedDesign result{design, {}, {}, {}};
   design::Design& d = result.design;
   const mesh::Surface surface(d.surface);
   result.new_id = lattice::remove_modules(d.layout, gone);
@@ -200,7 +216,9 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   give_kinds(d, d.layout.modules.size() - result.added.size());
   keep_numbers(d.layout, result.new_id, result.added);
   lattice::number_islands(d.layout);
-  finish(d, surface, regions.get(), start, progress);
+  lattice::measure(surface, d.layout, regions.get());
+  result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);
+  d.report.seconds = seconds_since(start);
   return result;
 }
 
@@ -209,7 +227,7 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   const auto start = Clock::now();
   TimeBudget budget(options.time_limit_s);
   const std::vector<bool> searched = marked(design, kept, true);
-  EditedDesign result{design, {}, {}};
+  EditedDesign result{design, {}, {}, {}};
   design::Design& d = result.design;
   const mesh::Surface surface(d.surface);
   const auto regions = regions_of(surface, d);
@@ -229,8 +247,13 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
     for (std::size_t id = fixed.modules.size(); id < count; ++id) result.added.push_back(static_cast<int>(id));
   }
   d.layout = best->layout;
+  d.layout.jumpers.clear();
   if (best != choices.begin()) give_kinds(d, fixed.modules.size());
-  finish(d, surface, regions.get(), start, progress);
+  keep_numbers(d.layout, result.new_id, result.added);
+  lattice::number_islands(d.layout);
+  lattice::measure(surface, d.layout, regions.get());
+  result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);
+  d.report.seconds = seconds_since(start);
   return result;
 }
 

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 
 #include "keep_numbers.hpp"
+#include "kept_wiring.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/map_modules.hpp"
-#include "triskin/routing/jumpers.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
@@ -19,7 +18,8 @@ bool keeps_limits(const design::PlacedModule& m, const design::LayoutLimits& lim
          m.edge_depth_mm <= limits.depth_mm && m.overrun_mm <= limits.overrun_mm && m.keep_out_mm <= limits.overrun_mm;
 }
 
-// Takes over the modules of the older design that fit on the new surface; returns their new ids.
+// Takes over the modules of the older design that fit on the new surface; returns their ids by those in the older
+// design.
 std::vector<int> take_over(const design::Design& old, design::Design& d) {
   const mesh::Surface surface(d.surface);
   const auto regions = regions_of(surface, d);
@@ -32,92 +32,8 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
     gone.push_back(!keeps_limits(m, d.limits));
   }
   std::vector<int> new_id = lattice::remove_modules(d.layout, gone);
-  keep_numbers(d.layout, new_id);
   lattice::number_islands(d.layout);
   return new_id;
-}
-
-// Returns the same jumper between the new ids among the places, with its cable measured on the new surface.
-std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::vector<int>& new_id,
-                                         const std::vector<design::Jumper>& places) {
-  for (design::Jumper place_now : places) {
-    const std::array<int, 2> ends{new_id[at(was.node[0])], new_id[at(was.node[1])]};
-    if (place_now.node == ends && place_now.side == was.side) return place_now;
-    if (place_now.node == std::array{ends[1], ends[0]} && place_now.side == std::array{was.side[1], was.side[0]})
-      return place_now;
-  }
-  return std::nullopt;
-}
-
-// Keeps the patches whose modules and joints are unchanged.
-class PatchKeeper {
- public:
-  PatchKeeper(const design::Design& old, const design::Design& now, const std::vector<int>& new_id,
-              std::vector<design::Jumper> places)
-      : old_(old), now_(now), new_id_(new_id), places_(std::move(places)), wiring_(design::wiring_of(old)) {}
-
-  routing::KeptWiring kept(std::vector<int>& new_patch) {
-    routing::KeptWiring kept;
-    for (std::size_t p = 0; p < old_.patches.size(); ++p) {
-      std::vector<design::Jumper> jumpers;
-      const bool stays = has_modules(old_.patches[p]) && has_joints(old_.patches[p]) && has_jumpers(p, jumpers);
-      kept.patches.push_back(stays ? renamed(old_.patches[p]) : design::Patch{});
-      if (stays) kept.jumpers.insert(kept.jumpers.end(), jumpers.begin(), jumpers.end());
-      new_patch.push_back(stays ? static_cast<int>(p) : -1);
-    }
-    return kept;
-  }
-
- private:
-  [[nodiscard]] bool has_modules(const design::Patch& patch) const {
-    return std::ranges::all_of(patch.modules, [&](const auto& m) { return new_id_[at(m.node)] >= 0; });
-  }
-  // Only joints to modules of the same patch count; those to others may change.
-  [[nodiscard]] bool has_joints(const design::Patch& patch) const {
-    const int index = wiring_[at(patch.modules.front().node)].patch;
-    return std::ranges::all_of(patch.modules, [&](const auto& m) {
-      for (std::size_t s = 0; s < 3; ++s) {
-        const int was = old_.layout.modules[at(m.node)].neighbour[s];
-        if (was < 0 || wiring_[at(was)].patch != index) continue;
-        if (now_.layout.modules[at(new_id_[at(m.node)])].neighbour[s] != new_id_[at(was)]) return false;
-      }
-      return true;
-    });
-  }
-  [[nodiscard]] bool has_jumpers(std::size_t patch, std::vector<design::Jumper>& jumpers) const {
-    for (const design::Jumper& jumper : old_.layout.jumpers) {
-      if (wiring_[at(jumper.node[0])].patch != static_cast<int>(patch)) continue;
-      const auto now = jumper_now(jumper, new_id_, places_);
-      if (!now) return false;
-      jumpers.push_back(*now);
-    }
-    return true;
-  }
-  [[nodiscard]] design::Patch renamed(design::Patch patch) const {
-    const auto rename = [&](int& node) { node = node < 0 ? node : new_id_[at(node)]; };
-    rename(patch.entry);
-    for (design::RoutedModule& m : patch.modules) {
-      rename(m.node);
-      rename(m.parent);
-    }
-    for (auto& joint : patch.cut_joints) std::ranges::for_each(joint, rename);
-    return patch;
-  }
-
-  const design::Design& old_;
-  const design::Design& now_;
-  const std::vector<int>& new_id_;
-  std::vector<design::Jumper> places_;
-  std::vector<design::ModuleWiring> wiring_;
-};
-
-// Free places that no new patch filled are removed, so later patches moved up.
-void follow_gaps(const design::Design& old, const design::Design& now, Revision& revision) {
-  const auto wiring = design::wiring_of(now);
-  for (std::size_t p = 0; p < revision.new_patch.size(); ++p) {
-    int& index = revision.new_patch[p];
-    if (index >= 0) index = wiring[at(revision.new_id[at(old.patches[p].modules.front().node)])].patch;
-  }
 }
 
 }  // namespace
@@ -132,16 +48,15 @@ design::Design revise_design(const design::Design& old, design::Design part, con
   std::vector<int> all(part.layout.modules.size());
   std::iota(all.begin(), all.end(), 0);
   EditedDesign grown = grow_around(part, all, options, progress);
+  for (int& id : revision.new_id) id = id < 0 ? -1 : grown.new_id[at(id)];
   revision.added = std::move(grown.added);
   design::Design& d = grown.design;
-  const mesh::Surface surface(d.surface);
-  const auto regions = regions_of(surface, d);
-  const std::vector<design::Jumper> places = routing::find_jumpers(surface, d.layout, d.limits);
-  const routing::KeptWiring kept = PatchKeeper(old, d, revision.new_id, places).kept(revision.new_patch);
+  d.layout.jumpers.clear();
+  keep_numbers(d.layout, revision.new_id, revision.added);
   const double seconds = d.report.seconds;
-  wire(d, surface, regions.get(), places, progress, nullptr, &kept);
+  const mesh::Surface surface(d.surface);
+  revision.new_patch = wire_around(old, d, surface, regions_of(surface, d).get(), revision.new_id, progress);
   d.report.seconds = seconds;
-  follow_gaps(old, d, revision);
   return std::move(d);
 }
 

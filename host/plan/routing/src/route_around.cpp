@@ -64,14 +64,20 @@ class OpenPart {
   ModuleGraph graph_;
 };
 
-// New patches take the free places, and the remaining ones follow at the end.
+// New patches take the free places, and the remaining ones follow at the end. A place that stays free is taken by the
+// last patch, so that no other changes its number.
 std::vector<Patch> merged(std::vector<Patch> kept, std::vector<Patch> added) {
   std::size_t next = 0;
   for (Patch& patch : kept) {
     if (patch.modules.empty() && next < added.size()) patch = std::move(added[next++]);
   }
   while (next < added.size()) kept.push_back(std::move(added[next++]));
-  std::erase_if(kept, [](const Patch& patch) { return patch.modules.empty(); });
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    while (!kept.empty() && kept.back().modules.empty()) kept.pop_back();
+    if (p >= kept.size() || !kept[p].modules.empty()) continue;
+    kept[p] = std::move(kept.back());
+    kept.pop_back();
+  }
   return kept;
 }
 

@@ -2,15 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "bus_report.hpp"
+#include "command.hpp"
 #include "corner_cut_option.hpp"
 #include "design_edit.hpp"
+#include "face_options.hpp"
 #include "mesh_options.hpp"
 #include "part_text.hpp"
 #include "read_text.hpp"
@@ -20,9 +22,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "bus_report.hpp"
-#include "command.hpp"
-#include "face_options.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/exports/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
 #include "verbosity.hpp"
@@ -32,12 +32,11 @@ namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
-  std::string mesh, output, regions, like;
+  std::string mesh, output, regions, like, kinds;
   UnitOption unit;
   SideOption side;
   FaceOptions faces;
   pipeline::DesignOptions design;
-  EditOptions edit;
   Verbosity verbosity;
 };
 
@@ -153,17 +152,16 @@ void report_revision(const design::Design& old, const design::Design& d, const p
                      const std::string& design_file, Output& output) {
   const auto gone = std::ranges::count(revision.new_id, -1);
   const auto stay = static_cast<std::ptrdiff_t>(revision.new_id.size()) - gone;
-  const auto tables =
-      static_cast<std::ptrdiff_t>(revision.new_patch.size()) - std::ranges::count(revision.new_patch, -1);
   const std::string picture = design_file + ".changes.svg";
   write_output(picture, exports::revision_svg(old, d, revision.new_id, revision.added));
   output.result["revision"] = {{"map", revision.new_id}, {"added", revision.added},
                                {"gone", gone},           {"patches", revision.new_patch},
                                {"kept", stay},           {"picture", picture}};
-  output.say(fmt::format(
-      "{} of {} {} where they stood, {} gone, {} new; {} of {} {} wired as they were; {} shows what changed", stay,
-      counted(revision.new_id.size(), "module"), agreeing(stay, "stands", "stand"), gone, revision.added.size(), tables,
-      counted(revision.new_patch.size(), "controller"), agreeing(tables, "is", "are"), picture));
+  output.say(fmt::format("{} of {} as they were, {} gone, {} new{}; {} shows what changed", stay,
+                         counted(revision.new_id.size(), "module"), gone, revision.added.size(),
+                         revision.added.empty() ? "" : ": " + short_list(revision.added), picture));
+  output.result["revision"]["renumbered"] = report_labels(revision.new_id, output);
+  report_tables(revision.new_patch, d.patches.size(), output);
 }
 
 // Turns what the options name into what the pipeline takes.
@@ -171,7 +169,7 @@ void read_files(Options& options) {
   options.design.unit = options.unit.unit;
   options.design.faces = options.faces.selection();
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
-  options.design.kinds = options.edit.kind_plan();
+  options.design.kinds = kind_plan_of(options.kinds);
   options.design.side = options.side.options();
   options.design.bridge_mm = options.side.bridge_mm();
   if (!options.like.empty())
@@ -200,15 +198,34 @@ bool report_design(const design::Design& d, const pipeline::DesignNotes& notes, 
   return is_covered;
 }
 
+// Returns false, with what to choose, if the repair moved the surface farther than modules may be off it, or if hardly
+// any of the surface could be covered: a design of another part than the one that was meant is no success.
+bool is_the_part(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
+  constexpr int kFewOfBound = 20;  // Covers that were meant are above a third of the bound by area.
+  const double moved_mm = notes.extract.deviation.found_mm;
+  const bool has_moved = moved_mm > d.limits.center_gap_mm;
+  if (has_moved)
+    output.say(fmt::format(
+        "The repair moved the surface by up to {:.1f} mm, more than a module may be off it ({:g} mm): this is not the "
+        "part "
+        "any more. Choose a body (--body, --object) or a side (--side), mend the mesh, or try --repair never",
+        moved_mm, d.limits.center_gap_mm));
+  const int modules = static_cast<int>(d.layout.modules.size());
+  const bool is_little = kFewOfBound * modules < d.report.upper_bound;
+  if (is_little)
+    output.say(
+        fmt::format("Only {} of {} by area: choose the body (--body, --object) or side (--side) to cover, or repair "
+                    "the mesh",
+                    counted(modules, "module"), d.report.upper_bound));
+  return !has_moved && !is_little;
+}
+
 int run(Options options, Output& output) {
   catch_interrupts();
   require_design_output(options.output);
   options.verbosity.apply(output);
-  if (options.edit.wanted(options.mesh)) {
-    std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
-               stderr);
-    return edit(options.mesh, options.output, options.edit, options.design, output);
-  }
+  if (options.mesh.ends_with(".json"))
+    throw InputError(fmt::format("{}: a design, not a mesh; triskin edit changes a design", options.mesh));
   read_files(options);
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
@@ -226,7 +243,8 @@ int run(Options options, Output& output) {
     output.say(reason);
     return 1;
   }
-  return report_design(d, notes, options, output) ? part_status : 1;
+  const bool is_covered = report_design(d, notes, options, output);
+  return is_the_part(d, notes, output) && is_covered ? part_status : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {
@@ -296,21 +314,19 @@ void add_files(CLI::App& app, Options& o) {
                  "OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF, STEP or IGES; mm unless --unit says otherwise")
       ->required();
   app.add_option("-o,--output", o.output, "design file")->required();
-  o.edit.add_to(app);
-  EditOptions::hide(app);
+  add_kinds(app, o.kinds);
   app.add_option("--like", o.like,
                  "design of an older version of the part: its modules stay where the surface lets them, its limits, "
                  "price, seed and kinds are taken")
       ->check(CLI::ExistingFile);
   app.add_option("--repair", o.design.repair,
-                 "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
-                 "refused")
+                 "auto: repair self-intersecting or non-manifold meshes; never: refuse them")
       ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
                                                                      {"never", pipeline::RepairMode::kNever}}));
 }
 
 void add_search(CLI::App& app, Options& o) {
-  app.add_option("--time-limit-s", o.design.time_limit_s, "effort")
+  app.add_option("--time-limit-s", o.design.time_limit_s, "time limit of the search")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_option("--method", o.design.method,
@@ -319,7 +335,7 @@ void add_search(CLI::App& app, Options& o) {
       ->transform(one_of(std::map<std::string, pipeline::SearchMethod>{{"auto", pipeline::SearchMethod::kAuto},
                                                                        {"pieces", pipeline::SearchMethod::kPieces},
                                                                        {"lattice", pipeline::SearchMethod::kLattice}}));
-  app.add_option("--seed", o.design.seed, "of every random choice")->capture_default_str();
+  app.add_option("--seed", o.design.seed, "random seed")->capture_default_str();
   o.unit.add_to(app);
   add_object_option(app, o.design.object);
   o.side.add_to(app);
@@ -363,7 +379,6 @@ const Registration kDesign{{
       add_search(app, *options);
       add_rules(app, *options);
       return [options, &app](Output& output) {
-        options->edit.require_fitting(app, options->mesh);
         require_like_alone(app);
         return run(*options, output);
       };

@@ -9,11 +9,12 @@
 #include <filesystem>
 #include <sstream>
 
+#include "module_ids.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/lower_case.hpp"
-#include "module_ids.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {
@@ -83,7 +84,7 @@ design::MirrorPlane plane_of(const std::string& text) {
 
 pipeline::EditedDesign edited(const design::Design& design, const EditOptions& options,
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
-  if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
+  if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty()) {
     const auto kept = module_ids("--keep", options.keep);
@@ -91,7 +92,7 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   }
   // Without removed or added modules, only kinds change.
-  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};
+  if (options.remove.empty() && options.add.empty()) return {design, {}, {}, {}};
   pipeline::LayoutEdit edit;
   const auto removed = module_ids("--remove", options.remove);
   edit.remove.assign(removed.begin(), removed.end());
@@ -99,25 +100,20 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   return pipeline::edit_design(design, edit, progress);
 }
 
-void report_changes(const pipeline::EditedDesign& e, Output& output) {
+// Which labels and which controllers are as they were.
+void report_changes(const pipeline::EditedDesign& e, const EditOptions& options, Output& output) {
   const auto removed = std::ranges::count(e.new_id, -1);
-  int renumbered = 0;
-  std::string labels;
-  for (std::size_t id = 0; id < e.new_id.size(); ++id) {
-    if (e.new_id[id] < 0 || e.new_id[id] == static_cast<int>(id)) continue;
-    labels += fmt::format("{} {} → {}", renumbered++ > 0 ? "," : "", id, e.new_id[id]);
-  }
+  const std::string stay = counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module");
   output.result["map"] = e.new_id;
   output.result["added"] = e.added;
   output.result["removed"] = removed;
-  output.result["renumbered"] = renumbered;
-  std::string added;
-  for (const int id : e.added) added += fmt::format(" {}", id);
-  output.say(fmt::format("{} {} where they stood, {} of them with a new number; {} gone; {} new{}{}",
-                         counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module"),
-                         agreeing(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "stands", "stand"),
-                         renumbered, removed, e.added.size(), e.added.empty() ? "" : ":", added));
-  if (renumbered > 0) output.say(fmt::format("new labels for:{}; all other labels and printed sheets hold", labels));
+  output.result["controllers"] = e.new_patch;
+  output.result["renumbered"] = 0;
+  if (!options.mirror.empty()) return output.say(fmt::format("{} mirrored, none renumbered", stay));
+  output.say(fmt::format("{} as they were, {} removed, {} new{}", stay, removed, e.added.size(),
+                         e.added.empty() ? "" : ": " + short_list(e.added)));
+  output.result["renumbered"] = report_labels(e.new_id, output);
+  report_tables(e.new_patch, e.design.patches.size(), output);
 }
 
 int report_design(const design::Design& d, Output& output) {
@@ -155,40 +151,42 @@ void EditOptions::add_to(CLI::App& app) {
   }
   take_option->excludes(keep_option)->excludes(mirror_option);
   keep_option->excludes(mirror_option);
-  app.add_option(
-      "--kinds", kinds,
-      "file that says which modules are of which kind (docs/pipeline.md); of a design (.json) it changes nothing "
-      "else; none: all are standard");
-}
-
-void EditOptions::hide(CLI::App& app) {
-  for (const char* name : {"--take", "--remove", "--add", "--keep", "--mirror"}) app.get_option(name)->group("");
+  add_kinds(app, kinds);
 }
 
 bool EditOptions::any() const {
   return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty() && kinds.empty());
 }
 
-bool EditOptions::wanted(const std::string& from) const {
-  return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty()) ||
-         (!kinds.empty() && from.ends_with(".json"));
-}
-
-design::KindPlan EditOptions::kind_plan() const {
+design::KindPlan kind_plan_of(const std::string& kinds) {
   return kinds.empty() || kinds == "none" ? design::KindPlan{} : design::read_kind_plan(kinds);
 }
 
-void EditOptions::require_fitting(const CLI::App& app, const std::string& from) const {
-  if (!wanted(from)) return;
-  std::vector<std::string> allowed{"--output", "--take",   "--remove", "--add",
-                                   "--keep",   "--mirror", "--kinds",  "--json"};
-  if (!keep.empty()) allowed.insert(allowed.end(), {"--time-limit-s", "--threads", "--iterations"});
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || option->get_lnames().empty()) continue;
-    const std::string name = "--" + option->get_lnames().front();
-    if (std::ranges::find(allowed, name) == allowed.end())
-      throw InputError(fmt::format("{} has no effect on a design that is there already; leave it out", name));
+void add_kinds(CLI::App& app, std::string& kinds) {
+  app.add_option("--kinds", kinds,
+                 "file that says which modules are of which kind (docs/pipeline.md); none: all are standard");
+}
+
+std::size_t report_labels(const std::vector<int>& new_id, Output& output) {
+  std::vector<std::string> relabelled;
+  for (std::size_t id = 0; id < new_id.size(); ++id) {
+    if (new_id[id] >= 0 && new_id[id] != static_cast<int>(id))
+      relabelled.push_back(fmt::format("{} → {}", id, new_id[id]));
   }
+  if (!relabelled.empty())
+    output.say(fmt::format("new labels for {}: {}; all other labels and printed sheets hold",
+                           counted(relabelled.size(), "module"), fmt::join(relabelled, ", ")));
+  return relabelled.size();
+}
+
+void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output) {
+  std::vector<std::size_t> anew;
+  for (std::size_t p = 0; p < patches; ++p) {
+    if (p >= new_patch.size() || new_patch[p] != static_cast<int>(p)) anew.push_back(p);
+  }
+  if (anew.empty()) return output.say("all controllers are wired as before");
+  output.say(fmt::format("{} of {} wired as before; wired anew: {}", patches - anew.size(),
+                         counted(patches, "controller"), short_list(anew)));
 }
 
 namespace {
@@ -254,6 +252,13 @@ void say_alternatives(const design::Design& d, Output& output) {
                            static_cast<int>(k) == d.taken ? "*" : " ", a.layout.modules.size(), a.patches, a.jumpers,
                            a.layout.islands, a.price, a.module_value - a.price));
   }
+  const auto value = [](const design::Alternative& a) { return a.module_value - a.price; };
+  const auto best = std::ranges::max_element(d.alternatives, {}, value);
+  if (d.taken >= 0 && value(*best) > value(d.alternatives[static_cast<std::size_t>(d.taken)]))
+    output.say(
+        fmt::format("The price of * is that of its wiring; the others are estimates. To wire the best of them: "
+                    "triskin edit --take {}",
+                    best - d.alternatives.begin()));
 }
 
 }  // namespace
@@ -289,7 +294,7 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
          const pipeline::DesignOptions& effort, Output& output) {
   const design::Design before = design::read_design(from);
   output.result = nlohmann::json::object();
-  const design::KindPlan plan = options.kind_plan();  // Invalid kinds are refused before any work.
+  const design::KindPlan plan = kind_plan_of(options.kinds);  // Invalid kinds are refused before any work.
   pipeline::EditedDesign e = edited(before, options, effort, output.progress());
   if (!options.kinds.empty()) {
     e.design.kinds = plan;
@@ -297,7 +302,7 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
     e.design.design_id = design::design_id_of(e.design);
   }
   design::write_design(to, e.design);
-  if (!e.new_id.empty()) report_changes(e, output);
+  if (!e.new_id.empty()) report_changes(e, options, output);
   const int status = report_design(e.design, output);
   output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
   return status;

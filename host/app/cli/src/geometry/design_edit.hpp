@@ -1,29 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli {
 
-/// `triskin edit` makes a design from a design with these options. `triskin design` accepts them for one more release.
+/// `triskin edit` makes a design from a design with these options.
 struct EditOptions {
   int take = -1;
   std::string remove, add, keep, mirror;
-  std::string kinds;  ///< The value is a file or "none"; a mesh can have it too.
+  std::string kinds;  ///< a file or "none"
 
   void add_to(CLI::App& app);
-  /// Hides these options from --help, except --kinds.
-  static void hide(CLI::App& app);
   [[nodiscard]] bool any() const;
-  /// Returns true if `from` is a design to change and not a mesh.
-  [[nodiscard]] bool wanted(const std::string& from) const;
-  /// Returns the kinds in the file; none without a file.
-  [[nodiscard]] design::KindPlan kind_plan() const;
-  /// Throws InputError for other options that would have no effect, because limits and price are those of the design.
-  void require_fitting(const CLI::App& app, const std::string& from) const;
 };
+
+/// Adds the option --kinds of a mesh and of a design.
+void add_kinds(CLI::App& app, std::string& kinds);
+/// The kinds in the file that --kinds names; none without a file.
+[[nodiscard]] design::KindPlan kind_plan_of(const std::string& kinds);
 
 /// Throws InputError, before any work, if a design cannot be written there, or if the name would make another program
 /// take the file for a mesh, a CAD part, a picture or a table.
@@ -37,6 +35,11 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
 bool report_regions(const design::Design& design, Output& output);
 /// Reports the number of modules of each kind, unless the design has no kinds.
 void report_kinds(const design::Design& design, Output& output);
+
+/// Says which modules have a new number, and returns how many do. `new_id`: EditedDesign::new_id.
+std::size_t report_labels(const std::vector<int>& new_id, Output& output);
+/// Says which controllers of the new design have the wiring that they had. `new_patch`: EditedDesign::new_patch.
+void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output);
 
 /// Lists the layouts by modules and price and marks the chosen one.
 void report_alternatives(const design::Design& design, Output& output);

@@ -26,7 +26,7 @@ int run(const Options& options, Output& output) {
 // Only the search of --keep takes time.
 void add_effort(CLI::App& app, pipeline::DesignOptions& effort) {
   CLI::Option* keep = app.get_option("--keep");
-  app.add_option("--time-limit-s", effort.time_limit_s, "with --keep: effort of the search")
+  app.add_option("--time-limit-s", effort.time_limit_s, "with --keep: time limit of the search")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str()
       ->needs(keep);

@@ -2,10 +2,13 @@
 #include "why_few.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
@@ -28,6 +31,23 @@ std::string option_of(std::string limit) {
   return "--" + limit;
 }
 
+// What a limit that refused modules would have had them do, and the option that allows more.
+std::string words_of_refusal(const std::string& limit) {
+  const std::string beyond = fmt::format("by more than {}", option_of(limit));
+  if (limit == "overrun_mm") return "would stick out past an edge " + beyond;
+  if (limit == "penetration_mm") return "would overlap others " + beyond;
+  if (limit == "center_gap_mm") return "would have the centre off the surface " + beyond;
+  if (limit == "lift_mm") return "would stand off the surface " + beyond;
+  if (limit == "depth_mm") return "would sink into the surface " + beyond;
+  if (limit == "hinge_gap_mm") return "would have gaping joints, " + beyond;
+  if (limit == "edge_error_mm") return "would have stretched joints, " + beyond;
+  if (limit == "fold_rad") return "would have joints folded " + beyond;
+  if (limit == "keep_out") return "would reach into a keep-out";
+  if (limit == "outward") return "would stand on edge, since the surface is folded there";
+  if (limit == "time_limit") return "were left out for lack of time; raise --time-limit-s";
+  return "are refused by " + limit;
+}
+
 std::string obstacle_text(const lattice::Obstacle& o) {
   const std::string at = fmt::format("({:.0f}, {:.0f}, {:.0f})", o.place_mm.x(), o.place_mm.y(), o.place_mm.z());
   if (o.limit == "narrow")
@@ -38,7 +58,8 @@ std::string obstacle_text(const lattice::Obstacle& o) {
                        o.radius_mm, at, std::ceil(o.needed_radius_mm), option_of(o.limit),
                        std::ceil(10.0 * o.needed_limit_mm) / 10.0);
   if (o.limit == "outward") return fmt::format("; a module would stand on its edge: the surface is folded at {}", at);
-  return fmt::format("; {} refuses it at {} of {}, first at {}", o.limit, o.places, counted(o.tried, "place"), at);
+  return fmt::format("; at {} of {}, first at {}, it {}", o.places, counted(o.tried, "place"), at,
+                     words_of_refusal(o.limit));
 }
 
 // If the solvers refuse a surface, there is no obstacle to name.
@@ -84,17 +105,21 @@ std::string low_coverage_text(const design::Design& d) {
   constexpr double kLowCoverage = 0.6;
   constexpr int kManyIslands = 3;
   if (d.report.coverage >= kLowCoverage) return {};
-  std::string text = "much stays bare";
+  std::vector<std::string> reasons;
   const auto most = std::ranges::max_element(d.layout.refused, {}, [](const auto& entry) { return entry.second; });
   if (most != d.layout.refused.end())
-    text += fmt::format(": {} refused {}", most->first, counted(most->second, "further module"));
+    reasons.push_back(fmt::format("{} more {} {}", most->second, noun_after(most->second == 1, "module"),
+                                  words_of_refusal(most->first)));
   if (const int holes = holes_of(d); holes > 0)
-    text += fmt::format("; the surface has {} holes or further borders", holes);
+    reasons.push_back(
+        fmt::format("the surface has {} or extra {}", counted(holes, "hole"), agreeing(holes, "edge", "edges")));
   if (d.layout.islands >= kManyIslands && d.limits.jumper_mm < 2 * design::LayoutLimits{}.jumper_mm)
-    text += fmt::format("; {} {} on {}: try --jumper-mm {:.0f}", counted(d.layout.modules.size(), "module"),
-                        agreeing(d.layout.modules.size(), "lies", "lie"), counted(d.layout.islands, "island"),
-                        2 * design::LayoutLimits{}.jumper_mm);
-  return text;
+    reasons.push_back(fmt::format("{} {} on {}: longer jumpers (--jumper-mm {:.0f}) may join them",
+                                  counted(d.layout.modules.size(), "module"),
+                                  agreeing(d.layout.modules.size(), "lies", "lie"), counted(d.layout.islands, "island"),
+                                  2 * design::LayoutLimits{}.jumper_mm));
+  if (reasons.empty()) reasons.emplace_back("a longer --time-limit-s may place more modules");
+  return fmt::format("Low coverage, {:.1f} %: {}", 100.0 * d.report.coverage, fmt::join(reasons, "; "));
 }
 
 }  // namespace triskin::cli

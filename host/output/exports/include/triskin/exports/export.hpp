@@ -14,10 +14,6 @@ namespace triskin::exports {
 /// the mesh frame. Modules without a patch have −1 as patch. Cost: O(modules).
 [[nodiscard]] std::string taxels_csv(const design::Design& design);
 
-/// Makes the assembly sheet (HTML, prints on A4): for each patch the module's straps, rotation, input side, parent and
-/// cut joints. Modules are named by id. Cost: O(modules).
-[[nodiscard]] std::string assembly_html(const design::Design& design);
-
 /// Exports modules as a mesh (OBJ, mm, mesh frame), with one triangle per module and one group per patch. Cost:
 /// O(modules).
 [[nodiscard]] std::string modules_obj(const design::Design& design);

@@ -15,7 +15,8 @@ struct EditedDesign {
   /// Maps an id of the old design to the new one, −1 if it was removed. A module that has an id is exactly where it
   /// was, or at its mirror image.
   std::vector<int> new_id;
-  std::vector<int> added;  ///< These ids of the new design belong to modules that the old one lacks.
+  std::vector<int> added;      ///< ids of the new design that the old one lacks
+  std::vector<int> new_patch;  ///< by old controller: its index now, −1 if its table changed
 };
 
 /// Names a place for a new module: beside a module, or a tile of an island.
@@ -35,12 +36,13 @@ struct LayoutEdit {
   std::vector<NewPlace> add;
 };
 
-/// Removes and adds modules; all others stay exactly where they are. Islands are renumbered by their connections, and
-/// jumpers, controllers and wiring are made again. Alternatives stay, none of them is taken. A new module gets its kind
-/// by the regions of the design. Errors: InputError for an id, side or island that does not exist, for a place that is
-/// not free or beside no module, and for a module that the limits forbid there, naming the broken ones; for a design
-/// that would have no module. Deterministic for the seed of the design. Cost: as take_alternative(), and about 0.2 s
-/// per new module.
+/// Removes and adds modules; all others stay exactly where they are and keep their ids, unless fewer modules are left
+/// than an id needs: the modules with such ids get free ones. Controllers whose modules and joints stay keep their
+/// wiring; the rest is wired around them. Islands are renumbered by their connections. Alternatives stay, none of them
+/// is taken. A new module gets its kind by the regions of the design. Errors: InputError for an id, side or island that
+/// does not exist, for a place that is not free or beside no module, and for a module that the limits forbid there,
+/// naming the broken ones; for a design that would have no module. Deterministic for the seed of the design. Cost: as
+/// take_alternative(), and about 0.2 s per new module.
 [[nodiscard]] EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit,
                                        const ProgressSink& progress = {});
 
@@ -51,11 +53,11 @@ struct GrowAroundOptions {
   int threads = 2;             ///< The result depends on this number, 1 … 256.
 };
 
-/// Keeps modules exactly where they are and searches layouts for the rest of the surface with the price and limits of
-/// the design. The layout of highest value is taken, with that of the design among the candidates, so that the value
-/// never falls; the others become alternatives. Errors: InputError for an id that does not exist and options out of
-/// range. Deterministic for seed, threads and iterations unless the time limit cuts the search short. Cost:
-/// time_limit_s.
+/// Keeps modules exactly where they are, with ids and wiring as edit_design(), and searches layouts for the rest of the
+/// surface with the price and limits of the design. The layout of highest value is taken, with that of the design among
+/// the candidates, so that the value never falls; the others become alternatives. Errors: InputError for an id that
+/// does not exist and options out of range. Deterministic for seed, threads and iterations unless the time limit cuts
+/// the search short. Cost: time_limit_s.
 [[nodiscard]] EditedDesign grow_around(const design::Design& design, const std::vector<int>& kept,
                                        const GrowAroundOptions& options, const ProgressSink& progress = {});
 
