@@ -176,6 +176,11 @@ def rows_of(page):
     return [[t for _, t in sorted(row)] for row in rows.values()]
 
 
+def strap_of(address):
+    """Returns the solder bridges at ADD0 and ADD1, and the address of the converter: "ADD0L ADD1H (2E)"."""
+    return f"ADD0{'LH'[address & 1]} ADD1{'LH'[address >> 1]} ({0x2C + address:02X})"
+
+
 def check_tables(design, pages):
     rows = {}
     for page in pages:
@@ -185,7 +190,7 @@ def check_tables(design, pages):
                 rows[int(row[0])] = row
     for m in design["modules"]:
         row = rows.get(m["id"], [""] * 7)
-        expect(row[2] == f"L{m['line']}" and row[3] == f"{0x2C + m['address']:02X}", f"table of module {m['id']}: {row}")
+        expect(row[2] == f"L{m['line']}" and row[3] == strap_of(m["address"]), f"table of module {m['id']}: {row}")
         parent = "cable" if m["parent"] < 0 else str(m["parent"])
         jumper = "jumper" in row[4] and row[4].endswith(f" to {parent}")
         expect(row[4] == parent or jumper, f"module {m['id']} hangs on {row[4]}, not {parent}")

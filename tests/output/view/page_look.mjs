@@ -88,7 +88,7 @@ async function compareMarks(page, bringNear) {
     const spot = [...document.querySelectorAll("#legend .swatch i")].find((s) => s.nextSibling.textContent.startsWith(text)).getBoundingClientRect();
     return [spot.left + spot.width / 2, spot.top + spot.height / 2];
   }, what);
-  const cases = [["taxel at rest", 4, "taxel", 3], ["without pressure value", 4, "taxel", 6], ["to parent", 0, "side", 0.3], ["chip fault", 9, "side", 0.55], ["between controllers", 15, "seam", 0.95]];
+  const cases = [["taxel at rest", 4, "taxel", 3], ["temperature pad", 4, "taxel", 6], ["line to parent", 0, "side", 0.3], ["chip fault", 9, "side", 0.55], ["between controllers", 15, "seam", 0.95]];
   for (const [what, module, kind, place] of cases) {
     await bringNear(page, module);
     const at = await page.evaluate(([m, k, p]) => {

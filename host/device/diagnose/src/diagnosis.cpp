@@ -8,6 +8,7 @@
 
 #include "cover_place.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/design/straps.hpp"
 #include "triskin/diagnose/topology.hpp"
 #include "triskin/session/adopted_modules.hpp"
 #include "verification.hpp"
@@ -76,7 +77,7 @@ void Diagnosis::run(VerifyResult& result) {
 }
 
 std::string Diagnosis::at(int line, int address) {
-  return fmt::format("L{}, address {:02X}", line, layout::kFirstCdcAddress + address);
+  return fmt::format("L{}, {}", line, design::address_strap(address));
 }
 
 std::string Diagnosis::where(layout::ModuleId module) const {

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "cover_place.hpp"
+#include "triskin/design/straps.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::diagnose {
@@ -174,9 +175,9 @@ class Guide {
     if (!known(module)) return;
     const design::RoutedModule& m = wiring_[static_cast<std::size_t>(module)].routed;
     steps_.push_back(
-        fmt::format("module {}: port A at side {}; close the straps of line L{} and address {}, no others (switched "
+        fmt::format("module {}: port A at side {}; close the straps of line L{} and {}, no others (switched "
                     "modules have none)",
-                    module, m.rotation, m.line, m.address));
+                    module, m.rotation, m.line, design::address_strap(m.address)));
   }
 
   // Names both ends of a joint; a port without one has the cable.

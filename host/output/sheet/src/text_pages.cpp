@@ -12,6 +12,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/design/straps.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/sheet/bill.hpp"
 
@@ -115,8 +116,7 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   row("controllers", "", bill.controllers);
   for (std::size_t k = 0; k < 4; ++k) row("line straps", fmt::format("line L{}", k), bill.line_straps[k]);
   for (std::size_t k = 0; k < 4; ++k)
-    row("address straps", fmt::format("address {:02X}", layout::cdc_address(static_cast<int>(k))),
-        bill.address_straps[k]);
+    row("address straps", design::address_strap(static_cast<int>(k)), bill.address_straps[k]);
   add_pieces(lines, "cables to controllers", "at least ", bill.cables, columns);
   add_pieces(lines, "2nd cables (switched modules)", "at least ", bill.second_cables, columns);
   add_pieces(lines, "jumper cables", "", bill.jumpers, columns);
@@ -242,7 +242,7 @@ void add_bends(Lines& lines, const design::Design& design) {
   if (bends.size() > kMaxNamed) text += ", …";
   add_text(lines,
            fmt::format("Modules bent to a radius of less than {:.0f} mm, which is written in red (mm): {}; {} in all. "
-                       "Ask whether the circuit board and its solder joints stand that.",
+                       "Check that the board and its solder joints can take this bend.",
                        kPaperBendRadius_mm, text, bends.size()));
 }
 
@@ -337,7 +337,7 @@ void add_kinds(Lines& lines, const design::Design& design, const design::Patch& 
 
 Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   const auto& patch = design.patches[static_cast<std::size_t>(p)];
-  const std::vector<double> columns{6.0, 22.0, 36.0, 52.0, 72.0, 108.0, 150.0};
+  const std::vector<double> columns{6.0, 20.0, 31.0, 41.0, 74.0, 110.0, 150.0};
   Lines lines;
   lines.push_back(
       {LineKind::kTitle,
@@ -350,12 +350,13 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   if (patch.second_entry >= 0)
     add_entry(lines, design, plan, patch.second_entry, patch.second_entry_side, "Second cable (switched modules only)");
   lines.push_back({LineKind::kGap, {}, {}});
-  lines.push_back({LineKind::kHead, {"module", "page", "line", "address", "port A", "port B", "port C"}, columns});
+  lines.push_back(
+      {LineKind::kHead, {"module", "page", "line", "address strap", "port A", "port B", "port C"}, columns});
   for (const auto& m : patch.modules) {
     const auto id = static_cast<std::size_t>(m.node);
     TextLine row{LineKind::kTickRow,
                  {std::to_string(m.node), std::to_string(plan.page_of_module[id]), fmt::format("L{}", m.line),
-                  fmt::format("{:02X}", layout::cdc_address(m.address))},
+                  design::address_strap(m.address)},
                  columns};
     for (int port = 0; port < 3; ++port)
       row.cells.push_back(

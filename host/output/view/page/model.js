@@ -84,8 +84,19 @@ export class Model {
   shows(k) { return this.shown[k] === 1; }
   /** Shows the modules for which `wanted` holds, and no others. @param {(k: number) => boolean} wanted */
   show(wanted) { for (let k = 0; k < this.count; ++k) this.shown[k] = wanted(k) ? 1 : 0; ++this.shownVersion; }
-  /** The number that a module has in its own design: of two that are compared both begin with 0. @param {number} k */
-  numberOf(k) { return this.data.changes?.length && k >= this.data.before.modules ? k - this.data.before.modules : k; }
+  /** The number that a module has in its own design: every cover of a robot, and each of two that are compared, begins with 0. @param {number} k */
+  numberOf(k) {
+    const cover = this.coverOf(k);
+    if (cover >= 0) return k - this.data.covers[cover].first_module;
+    return this.data.changes?.length && k >= this.data.before.modules ? k - this.data.before.modules : k;
+  }
+  /** The name of a module as all outputs say it: "upperarm 19" on a robot, else its number. @param {number} k */
+  nameOf(k) { const cover = this.coverOf(k); return cover < 0 ? `${this.numberOf(k)}` : `${this.data.covers[cover].name} ${this.numberOf(k)}`; }
+  /** The name of a controller, with its address on its bus: "upperarm 1 (node 4)". @param {number} p */
+  controllerName(p) {
+    const cover = (this.data.covers ?? []).findLast((c) => c.first_patch <= p);
+    return `${cover ? `${cover.name} ${p - cover.first_patch}` : p} (node ${this.data.patches[p].node || "not on this bus"})`;
+  }
   /** The cover of a robot that a module is on; −1: the design is of one cover. @param {number} k */
   coverOf(k) { return (this.data.covers ?? []).findLastIndex((c) => c.first_module <= k); }
 

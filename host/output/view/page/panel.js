@@ -54,13 +54,15 @@ function sumRows({count, data: d}) {
           ["coverage", `${Math.round(100 * coverageOf(d))} %`]];
 }
 
-const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.numberOf(model.modules[k].parent)}` : "none";
+/** The solder bridges to close, and the I²C address they give: "ADD0L ADD1H (2E)". @param {number} a */
+export const addressStrap = (a) => `ADD0${a & 1 ? "H" : "L"} ADD1${a & 2 ? "H" : "L"} (${(0x2c + a).toString(16).toUpperCase()})`;
+
+const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.nameOf(model.modules[k].parent)}` : "none";
 
 /** Everything on one module. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
 export function fillModule(model, live, k) {
   const m = model.modules[k], list = document.createElement("dl");
-  const rows = /** @type {[string, string|number][]} */ ([["module", model.numberOf(k)]]), cover = model.coverOf(k);
-  if (cover >= 0) rows.push(["cover", `${model.data.covers[cover].name}, its module ${k - model.data.covers[cover].first_module}`]);
+  const rows = /** @type {[string, string|number][]} */ ([["module", model.nameOf(k)]]);
   if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);
   const change = model.data.changes?.[k];
   if (change) rows.push([PALETTE[change.what].what, change.other < 0 ? "no module in the other design" : `module ${model.numberOf(change.other)} of the other design`]);
@@ -74,10 +76,10 @@ function moduleRows(model, k, m) {
   const failure = model.failureOf(k), joint = model.failureOf(k, m.parent), rows = /** @type {[string, string|number][]} */ ([["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
   if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
-    rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", `L${m.line}`], ["address strap", (0x2c + m.address).toString(16).toUpperCase()],
+    rows.push(["controller", model.controllerName(m.patch)], ["line strap", `L${m.line}`], ["address strap", addressStrap(m.address)],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
-              ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
-    if (m.parent >= 0) rows.push([`lost with its joint to ${model.numberOf(m.parent)}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
+              ["modules lost if it fails", `${failure.cut.length} (switched hardware: ${failure.lost.length})`]);
+    if (m.parent >= 0) rows.push([`modules lost if its joint to ${model.numberOf(m.parent)} fails`, `${joint.cut.length} (switched hardware: ${joint.lost.length})`]);
   }
   for (const j of model.data.jumpers) {
     if (j.modules.includes(k)) rows.push(["jumper", `to module ${model.numberOf(j.modules[0] === k ? j.modules[1] : j.modules[0])}, ${j.length_mm} mm`]);

@@ -77,7 +77,8 @@ json module_of(const design::PlacedModule& m, const design::ModuleWiring& wiring
           {"metrics", metrics_of(m)}};
 }
 
-json patch_of(const design::Patch& p) {
+json patch_of(const design::Design& design, std::size_t index) {
+  const design::Patch& p = design.patches[index];
   json failures = json::array();
   for (const auto& f : p.failures) {
     failures.push_back({{"module", f.node},
@@ -86,7 +87,8 @@ json patch_of(const design::Patch& p) {
                         {"lost_rerouted", f.lost_rerouted},
                         {"backup", f.backup_tree}});
   }
-  return {{"entry", p.entry},
+  return {{"node", design::node_address_of(design, layout::PatchIndex{index})},
+          {"entry", p.entry},
           {"second_entry", p.second_entry},
           {"cut_joints", p.cut_joints},
           {"max_depth", p.max_depth},
@@ -117,6 +119,7 @@ json covers_of(const Notes& notes) {
   for (const CoverNote& c : notes.covers) {
     list.push_back({{"name", c.name},
                     {"first_module", c.first_module},
+                    {"first_patch", c.first_patch},
                     {"first_island", c.first_island},
                     {"modules", c.modules},
                     {"area_cm2", rounded(c.area_cm2)},
@@ -151,7 +154,7 @@ std::string model_json(const design::Design& design, bool recording, const Notes
     if (!design.kinds.empty())
       modules.back()["kind"] = design::kind_of(design.kinds, design.layout.modules[k].kind).name;
   }
-  for (const auto& p : design.patches) patches.push_back(patch_of(p));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) patches.push_back(patch_of(design, p));
   const json model = {
       {"name", design.name},
       {"design_id", fmt::format("{:016x}", design.design_id)},
