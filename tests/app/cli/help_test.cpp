@@ -121,7 +121,8 @@ TEST_F(Help, a_slip_is_answered_in_the_first_line) {
   EXPECT_THAT(run("view s.json --nonsense 3").messages, StartsWith("triskin: --nonsense is not known here\n"));
   EXPECT_THAT(run("discover --link simm").messages, HasSubstr("did you mean sim?"));
   EXPECT_THAT(run("discover --link can7").messages, HasSubstr("did you mean can:can7?"));
-  EXPECT_THAT(run("live s.json --link sim --seconds 1m").messages, HasSubstr("--seconds: 1m is no number (seconds)\n"));
+  EXPECT_THAT(run("live s.json --link sim --seconds 1m").messages,
+              HasSubstr("--seconds: 1m is not a number (seconds)\n"));
   write_file_atomically(folder_ / "strip.json", "no json");
   EXPECT_THAT(run("verify stirp.json --link sim").messages, HasSubstr("did you mean strip.json?"));
   EXPECT_THAT(run("verify strip.json --link sim").messages, HasSubstr("is no design file (JSON)"));

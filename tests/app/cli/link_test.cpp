@@ -58,7 +58,7 @@ TEST_F(Links, the_environment_names_the_link_of_a_design_and_a_robot_file_names_
   ASSERT_EQ(run("robot add r.json strip.json --name strip --bus left").status, 0);
   const Outcome o = run("flash r.json");
   EXPECT_EQ(o.status, 0) << o.messages;
-  EXPECT_THAT(o.out, StartsWith("simulated: "));
+  EXPECT_THAT(o.out, StartsWith("Simulated; no hardware"));
 }
 
 // The file stands for variables that are not set; an option goes before both.
@@ -126,7 +126,7 @@ TEST_F(Links, every_device_command_says_in_the_first_line_and_in_json_that_its_l
   for (const auto& [name, arguments] : device_commands()) {
     if (name == "view") continue;  // It runs until Ctrl-C: see below.
     const Outcome text = run(arguments + " --link sim");
-    EXPECT_THAT(text.out, StartsWith("simulated: sim is no hardware\n")) << arguments << text.messages;
+    EXPECT_THAT(text.out, StartsWith("Simulated; no hardware is involved.\n")) << arguments << text.messages;
     if (text.status >= 2) continue;  // It writes no object then.
     const auto object = nlohmann::json::parse(last_line(run(arguments + " --link sim --json").out), nullptr, false);
     EXPECT_TRUE(object.is_object() && object.value("simulated", false)) << arguments << object;
@@ -165,7 +165,7 @@ TEST_F(Links, view_says_first_that_its_link_is_simulated) {
   ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   const std::filesystem::path log = folder_ / "view";
   EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open --json"), log, "http://"), 0);
-  EXPECT_THAT(read_file(log), StartsWith("simulated: sim is no hardware\n"));
+  EXPECT_THAT(read_file(log), StartsWith("Simulated; no hardware is involved.\n"));
   EXPECT_TRUE(nlohmann::json::parse(last_line(read_file(log))).value("simulated", false));
 }
 

@@ -8,8 +8,8 @@
 #include <iostream>
 #include <memory>
 
-#include "triskin/base/files.hpp"
 #include "link_options.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli::bring_up_command {
 namespace {
@@ -58,7 +58,7 @@ int run(const Options& options, Output& output) {
   steps.stream_s = options.seconds;
   if (options.no_questions) steps.progress = output.progress();
   const bool simulated = link::is_simulated(options.link.link);
-  if (simulated) output.mark_simulated(options.link.link);
+  if (simulated) output.mark_simulated();
   const auto reports = deploy::bring_up(design, steps);
   output.result = {{"steps", report_steps(reports, output)}};
   const std::string link = options.link.link + (simulated ? " (simulated)" : "");

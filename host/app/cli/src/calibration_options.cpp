@@ -45,9 +45,11 @@ void calibrate_cover(const CalibrationOptions& options, skin::LiveBus& bus, skin
   design::SkinCalibration& calibration = found.skin;
   if (calibration.complete()) {
     const design::CalibrationQuality q = design::quality_of(calibration.boards());
-    output.say(fmt::format(
-        "{}calibrated: {}, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to {:g} kPa; {}", prefix,
-        counted(q.taxels, "taxel"), q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
+    output.say(fmt::format("{}calibrated: {}, {}, up to {:g} kPa; {}", prefix, counted(q.taxels, "taxel"),
+                           q.worst_percent < 0.01 ? std::string("pressure error below 0.01 % (median and worst)")
+                                                  : fmt::format("pressure error {:.2g} % (median), {:.2g} % (worst)",
+                                                                q.median_percent, q.worst_percent),
+                           q.max_kpa, version_of(found, options.file)));
     cover.set_calibration(std::move(calibration));
     return;
   }

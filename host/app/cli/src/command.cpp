@@ -36,8 +36,8 @@ void Output::each(const nlohmann::json& object) const {
   std::fflush(stdout);
 }
 
-void Output::mark_simulated(const std::string& link) {
-  if (!simulated_) say(fmt::format("simulated: {} is no hardware", link));
+void Output::mark_simulated() {
+  if (!simulated_) say("Simulated; no hardware is involved.");
   simulated_ = true;
 }
 

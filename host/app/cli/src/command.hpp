@@ -25,7 +25,7 @@ class Output {
   [[nodiscard]] bool json() const { return json_; }
   /// Says once that all output comes from the simulation `link` instead of hardware. From then on every object of
   /// --json has "simulated": true.
-  void mark_simulated(const std::string& link);
+  void mark_simulated();
   /// Marks the output as simulated without a message, for a command that has said it already.
   void mark_quietly_simulated() { simulated_ = true; }
   /// Suppresses messages and progress from now on; the object of --json stays.

@@ -41,7 +41,7 @@ bool is_number(const std::string& text) {
 
 std::string no_number(const std::string& option, const std::string& value) {
   const std::string unit = unit_of(option);
-  return fmt::format("{}: {} is no number{}", option, value, unit.empty() ? "" : " (" + unit.substr(1) + ")");
+  return fmt::format("{}: {} is not a number{}", option, value, unit.empty() ? "" : " (" + unit.substr(1) + ")");
 }
 
 // Turns "a,b" and "a->0,b->1" into "a, b".
@@ -64,6 +64,7 @@ std::string plain_words(const std::string& message) {
   static const std::regex range(R"((.*?): Value (.*) not in range (\S+) to (\S+))");
   static const std::regex unread(R"(Could not convert: (\S+) = (.*))");
   static const std::regex missing(R"((.*?): (\d+) required (.*) missing)");
+  static const std::regex count(R"((.*?): At (?:least|most|Most) (\d+) required but received (\d+))");
   static const std::regex choice(R"((.*?): (?:Check )?(.*?) (?:value |not )in \{(.*?)\}.*)");
   static const std::regex stranger(R"(The following arguments? (?:was|were) not expected: (.*))");
   std::smatch m;
@@ -73,8 +74,10 @@ std::string plain_words(const std::string& message) {
                                          short_number(m[4]), unit_of(m[1]))
                            : no_number(m[1], m[2]);
   if (std::regex_match(message, m, unread))
-    return is_number(m[2]) ? fmt::format("{}: {} is no whole number, or too large", m.str(1), m.str(2))
+    return is_number(m[2]) ? fmt::format("{}: {} is not a whole number, or too large", m.str(1), m.str(2))
                            : no_number(m[1], m[2]);
+  if (std::regex_match(message, m, count))
+    return fmt::format("{}: {} values are needed, {} given", m.str(1), m.str(2), m.str(3));
   if (std::regex_match(message, m, missing)) return fmt::format("{}: a value is missing", m.str(1));
   if (std::regex_match(message, m, choice))
     return fmt::format("{}: {} is none of {}", m.str(1), m.str(2), names_of(m[3]));

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <memory>
 
+#include "site_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
-#include "site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/layout/module.hpp"
 
@@ -121,12 +121,12 @@ const Registration kIdentify{{
       app.add_option("--patch", options->identify.patch, "ask for this patch alone, also where shapes settle it")
           ->check(CLI::Range(0, int{layout::kLastNode} - 1));
       app.add_option("-o,--output", options->output,
-                     "assignment file for triskin flash --assign-file; one of this design that is there is added to");
+                     "assignment file for triskin flash --assign-file; an existing file for this design is extended");
       app.add_option("--limit-s", options->identify.limit_s, "how long a touch of each patch is waited for")
           ->check(CLI::Range(0.1, 3600.0))
           ->capture_default_str();
       app.add_flag("--by-hand", options->by_hand,
-                   "wait for touches also on --link sim without a scene, where else a virtual finger presses");
+                   "wait for real touches on --link sim too, where normally a virtual finger presses");
       app.add_flag("--finger", options->finger, "let the virtual finger of any simulation press, also of a served one")
           ->excludes("--by-hand");
       return [options](Output& output) { return run(*options, output); };

@@ -34,7 +34,7 @@ inline void add_link_options(CLI::App& app, connect::LinkOptions& options) {
 
 /// Says in the first line, and in --json, that `link` is a simulation; says nothing for hardware.
 inline void say_simulated(const link::Link& link, Output& output) {
-  if (link::is_simulated(link.name())) output.mark_simulated(link.name());
+  if (link::is_simulated(link.name())) output.mark_simulated();
 }
 inline void say_simulated(std::span<link::Link* const> links, Output& output) {
   for (const link::Link* link : links) say_simulated(*link, output);

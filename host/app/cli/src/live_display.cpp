@@ -37,7 +37,7 @@ PressureUnit best_unit(const LiveMonitor& monitor) {
 }
 
 std::string force_of(const LiveMonitor& monitor) {
-  return monitor.calibration().complete() ? fmt::format("  {:.2f} N in all", monitor.force_n()) : "";
+  return monitor.calibration().complete() ? fmt::format(", {:.2f} N total", monitor.force_n()) : "";
 }
 
 nlohmann::json numbers_of(const design::Vec3& v) {
@@ -88,8 +88,8 @@ class Lines final : public LiveDisplay {
       return Wish::kNothing;
     }
     const auto& first = pressed.front();
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{}{}", state.time_s, place_text(monitor, first),
-                            bar_of(first.change_counts), counted(pressed.size() - 1, "taxel"), force_of(monitor)));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24}{}{}", state.time_s, place_text(monitor, first),
+                            bar_of(first.change_counts), more_taxels(pressed.size() - 1), force_of(monitor)));
     for (const skin::SkinContact& c : monitor.contacts())
       output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
     return Wish::kNothing;
@@ -214,7 +214,7 @@ class Screen final : public LiveDisplay {
     const auto contacts = monitor.contacts();
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
       below.push_back(contact_text(contacts[k], monitor.calibration()));
-    if (pressed.size() > kMaxTaxels) below.push_back(fmt::format("+{}", counted(pressed.size() - kMaxTaxels, "taxel")));
+    if (pressed.size() > kMaxTaxels) below.push_back(more_taxels(pressed.size() - kMaxTaxels));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, columns - 1)), kStep_s))
       below.push_back(std::move(line));
     return below;
@@ -287,6 +287,10 @@ std::string OffRestNotice::due(const LiveMonitor& monitor, double time_s) {
 }
 
 // The value stands before the place, because a narrow terminal cuts what is at the right.
+std::string more_taxels(std::size_t number) {
+  return number == 0 ? "" : fmt::format(" and {} more {}", number, noun_after(number == 1, "taxel"));
+}
+
 std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
   const design::SkinCalibration& calibration = monitor.calibration();
   const bool is_kpa = best_unit(monitor) == PressureUnit::kKpa;

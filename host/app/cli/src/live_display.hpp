@@ -49,6 +49,8 @@ class LiveDisplay {
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
 /// Describes the place of a taxel and the pressure on it, in kPa if the monitor is calibrated, otherwise in counts.
 [[nodiscard]] std::string place_text(const skin::LiveMonitor& monitor, const skin::PressedTaxel& taxel);
+/// " and 6 more taxels"; empty for 0.
+[[nodiscard]] std::string more_taxels(std::size_t number);
 /// Describes a contact's place, force and area with deviations; without a calibration the force is left out. Says
 /// when a taxel of it is pressed more than the calibration covers.
 [[nodiscard]] std::string contact_text(const skin::SkinContact& contact, const design::SkinCalibration& calibration);

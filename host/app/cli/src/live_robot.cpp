@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "live_display.hpp"
-#include "triskin/base/counted.hpp"
-#include "triskin/base/pace.hpp"
 #include "site_options.hpp"
 #include "stream_options.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/base/pace.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -93,8 +93,8 @@ class BusShow {
       const auto pressed = cover.touches().pressed();
       if (pressed.empty()) continue;
       is_pressed = true;
-      line(fmt::format("{}: {} +{}", cover.config().name, place_text(cover.monitor(), pressed.front()),
-                       counted(pressed.size() - 1, "taxel")));
+      line(fmt::format("{}: {}{}", cover.config().name, place_text(cover.monitor(), pressed.front()),
+                       more_taxels(pressed.size() - 1)));
     }
     if (!is_pressed && time_s < spoke_s_ + OffRestNotice::kHeartbeat_s) return;
     spoke_s_ = time_s;

@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "finding_lines.hpp"
+#include "site_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
-#include "site_options.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/design_files.hpp"
 
@@ -61,7 +61,7 @@ class Repair {
       const diagnose::Finding mended = *next;
       findings = check_again(mended);
     }
-    const bool tares = needs_tare_ && ask(output_, "At last the tare: take everything off the skin.") == Answer::kDone;
+    const bool tares = needs_tare_ && ask(output_, "Finally, tare: remove everything from the skin.") == Answer::kDone;
     if (tares) tare();
     output_.result = {{"findings_before", at_first},
                       {"mended", mended_},

@@ -11,13 +11,13 @@
 #include <numbers>
 #include <set>
 
+#include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/short_list.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
-#include "command.hpp"
 #include "triskin/connect/open_link.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
@@ -84,7 +84,7 @@ void require_name(const Options& options, const char* what) {
 int run_new(const Options& options, Output& output) {
   require_name(options, "the robot's name with --name");
   if (fs::exists(options.robot))
-    throw InputError(fmt::format("{}: is there already; choose another name or remove it", options.robot));
+    throw InputError(fmt::format("{}: exists already; choose another name or remove it", options.robot));
   robot::Robot made;
   made.name = options.name;
   if (!options.urdf.empty()) {
@@ -219,7 +219,7 @@ Eigen::Vector3d rpy_deg_of(const Eigen::Isometry3d& pose) {
 
 std::string place_text(const robot::CoverEntry& cover) {
   const std::string link = cover.frame.empty() ? "the base" : cover.frame;
-  if (!cover.has_pose) return "nobody has said where it lies in " + link;
+  if (!cover.has_pose) return fmt::format("its pose in {} is not set", link);
   const Eigen::Vector3d at = cover.pose.translation(), turns = rpy_deg_of(cover.pose);
   return fmt::format("at ({:.1f}, {:.1f}, {:.1f}) mm in {}, turned by ({:.1f}, {:.1f}, {:.1f})°{}", at.x(), at.y(),
                      at.z(), link, turns.x(), turns.y(), turns.z(),
@@ -250,8 +250,8 @@ std::vector<std::string> missing_of(const robot::Robot& robot, const std::string
                       c.name, file, c.name));
     const auto unnamed = std::ranges::count_if(c.controllers, [](const auto& e) { return e.serial.empty(); });
     if (unnamed > 0)
-      missing.push_back(fmt::format("{} of {} serial numbers of cover {}: triskin discover {} --note", unnamed,
-                                    c.controllers.size(), c.name, file));
+      missing.push_back(fmt::format("serial numbers of {} of {} of cover {}: triskin discover {} --note", unnamed,
+                                    counted(c.controllers.size(), "controller"), c.name, file));
   }
   return missing;
 }
@@ -314,7 +314,7 @@ int run_show(const Options& options, Output& output) {
     output.say(fmt::format("{}: {}\n    {}", p.place, p.text, p.remedy));
     output.result["problems"].push_back({{"place", p.place}, {"text", p.text}, {"remedy", p.remedy}});
   }
-  for (const std::string& what : missing_of(a.robot, options.robot)) output.say("not said: " + what);
+  for (const std::string& what : missing_of(a.robot, options.robot)) output.say("missing: " + what);
   output.say(counted(problems.size(), "problem"));
   return problems.empty() ? 0 : 1;
 }

@@ -12,14 +12,14 @@
 #include <mutex>
 #include <utility>
 
+#include "design_argument.hpp"
 #include "finding_lines.hpp"
 #include "offset_lines.hpp"
+#include "site_options.hpp"
+#include "stream_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "design_argument.hpp"
-#include "site_options.hpp"
-#include "stream_options.hpp"
 #include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
@@ -143,7 +143,7 @@ Told print_report(const robot::CoverConfig& cover, diagnose::VerifyResult r, ski
     for (std::string& line : sentences(*r.stream, "see the findings")) rest.push_back(std::move(line));
   }
   for (const std::string& line : rest) told.lines.push_back(name + line);
-  if (!r.findings.empty()) told.lines.push_back(name + "mend one finding after the other: triskin repair " + arguments);
+  if (!r.findings.empty()) told.lines.push_back(name + "fix the findings one by one: triskin repair " + arguments);
   told.result = std::move(r);
   return told;
 }
@@ -168,7 +168,8 @@ std::vector<Told> verify_bus(skin::LiveBus& live, const Options& options, layout
       const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
       return is_asked && ask_person(prefix_of(cover), module);
     };
-    diagnose::VerifyResult result = diagnose::verify(live.bus(), cover.design, verify, progress_of(site, cover, progress));
+    diagnose::VerifyResult result =
+        diagnose::verify(live.bus(), cover.design, verify, progress_of(site, cover, progress));
     diagnose::name_files(result.findings, options.site.file);
     if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
     const std::string arguments = arguments_of(options, cover);

@@ -6,14 +6,14 @@
 #include <optional>
 #include <thread>
 
-#include "triskin/base/error.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/text_file.hpp"
 #include "calibration_options.hpp"
 #include "design_argument.hpp"
 #include "link_options.hpp"
 #include "recorded_track.hpp"
 #include "stream_options.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/text_file.hpp"
 #include "triskin/skin/live_skin.hpp"
 #include "triskin/view/browser.hpp"
 #include "triskin/view/comparison.hpp"
@@ -99,7 +99,7 @@ void say_simulated_links(const connect::LinkOptions& link, const robot::Site& si
   for (const robot::BusConfig& bus : site.buses) {
     const std::string& name = site.is_robot && !link.chosen ? bus.link : link.link;
     if (!link::is_simulated(name) || output.simulated()) continue;
-    Output(output.json(), true).mark_simulated(name);
+    Output(output.json(), true).mark_simulated();
     output.mark_quietly_simulated();
   }
 }

@@ -21,7 +21,7 @@ constexpr std::array<Cause, 14> kCauses{{
     {"missing closing quote", "a quote is never closed: the text was cut, or the quote is missing"},
     {"control character", "a line end or control character between quotes: a closing quote is missing before it"},
     {"ill-formed UTF-8", "a byte that is not UTF-8: the file is damaged or in another encoding"},
-    {"invalid string", "a backslash with what JSON does not know behind it"},
+    {"invalid string", "a backslash followed by what JSON does not allow"},
     {"invalid number", "a malformed number"},
     {"number overflow", "a number is out of range"},
     {"invalid literal", "neither number, text in quotes, true, false nor null (JSON has no nan and no inf)"},

@@ -103,9 +103,9 @@ class Matcher {
     const wire::ActiveTable table = session::Controller(bus_, c.board.claim.node_address).active_table();
     if (!table.present()) return;
     c.table = table;
-    c.owner = table.design_id == design_.design_id ? Owner::kThis
+    c.owner = table.design_id == design_.design_id          ? Owner::kThis
               : table.design_id == session::kIdentifyDesign ? Owner::kNobody
-                                                   : Owner::kAnother;
+                                                            : Owner::kAnother;
   }
 
   // Compares serial numbers or, if the file names none, the address and the design of the table.
@@ -165,7 +165,8 @@ class Matcher {
       if (then.patches.empty()) then = design_;
       then.node_addresses.assign(n_patches_, c.board.claim.node_address);
       const auto found = std::ranges::find_if(here_, [&](layout::PatchIndex patch) {
-        return wanted(patch) && !taken_.contains(patch) && session::holds_image(c.table.crc, session::image_of(then, patch));
+        return wanted(patch) && !taken_.contains(patch) &&
+               session::holds_image(c.table.crc, session::image_of(then, patch));
       });
       if (found != here_.end()) give(c, *found, FoundBy::kTable);
     }
@@ -292,9 +293,9 @@ class Matcher {
   }
   void touch(const std::vector<layout::PatchIndex>& open, const Undecided& alike) {
     if (options_.say)
-      options_.say(
-          fmt::format("the shapes of {} {} do not tell their controllers apart: the finger of the simulation does",
-                      noun_after(open.size() == 1, "patch"), short_list(open)));
+      options_.say(fmt::format("{} {} {} alike; a simulated touch tells their controllers apart.",
+                               open.size() == 1 ? "Patch" : "Patches", short_list(open),
+                               agreeing(open.size(), "looks", "look")));
     IdentifyOptions how;
     how.say = options_.say;
     how.actuator = options_.actuator;
@@ -474,7 +475,8 @@ class Matcher {
 
 }  // namespace
 
-MatchedBoards match_boards(session::Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known) {
+MatchedBoards match_boards(session::Bus& bus, const design::Design& design, const FlashOptions& options,
+                           BusBoards& known) {
   if (options.patch >= static_cast<int>(design.patches.size()))
     throw InputError(
         fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));

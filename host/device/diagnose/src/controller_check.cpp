@@ -176,9 +176,14 @@ Finding ControllerCheck::unflashed_finding(std::size_t new_controllers) const {
   const std::string silent =
       absent_.size() <= new_controllers ? "" : fmt::format(", and {} do not answer", absent_.size() - new_controllers);
   return controller_finding(FindingKind::kNotFlashed, absent_.front(),
-                            fmt::format("{}: no controller has {}; {} of {} on the link have no table of a design{}",
-                                        patches_text(absent_), absent_.size() == 1 ? "its table" : "their tables",
-                                        new_controllers, counted(claims_.size(), "controller"), silent),
+                            fmt::format("{}: no controller has {}; {}{}", patches_text(absent_),
+                                        absent_.size() == 1 ? "its table" : "their tables",
+                                        claims_.size() == 1
+                                            ? std::string("the only controller on the link has no table")
+                                            : fmt::format("{} of {} controllers on the link {} no table",
+                                                          new_controllers, claims_.size(),
+                                                          agreeing(new_controllers, "has", "have")),
+                                        silent),
                             silent.empty() ? "run triskin flash with this design and link"
                                            : "check power and cables of all controllers, then run triskin flash");
 }

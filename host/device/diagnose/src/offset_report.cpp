@@ -54,10 +54,12 @@ std::string sum_text(const PatchOffsets& patch) {
     return std::ranges::count(patch.offsets.rows(), s, &wire::ModuleOffsets::state);
   };
   const auto searching = count(OffsetState::kSearching);
-  return fmt::format("patch {}: offsets of {}: {} kept, {} found since power-up{}; electrodes at the {} input",
-                     patch.patch, counted(patch.offsets.count, "module"), count(OffsetState::kKept),
-                     count(OffsetState::kFound) + count(OffsetState::kOutside),
+  const auto stored = count(OffsetState::kKept), found = count(OffsetState::kFound) + count(OffsetState::kOutside);
+  const auto unavailable = static_cast<std::ptrdiff_t>(patch.offsets.count) - stored - found - searching;
+  return fmt::format("patch {}: offsets of {}: {} stored, {} newly found{}{}; electrodes at the {} input", patch.patch,
+                     counted(patch.offsets.count, "module"), stored, found,
                      searching > 0 ? fmt::format(", {} being searched", searching) : "",
+                     unavailable > 0 ? fmt::format(", {} unavailable", unavailable) : "",
                      patch.offsets.positive_input ? "positive" : "negative");
 }
 

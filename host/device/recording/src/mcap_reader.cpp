@@ -21,7 +21,7 @@ class Reading {
     report_.file_bytes = source_.size();
     std::array<std::uint8_t, kMagic.size()> magic{};
     if (!source_.read(0, magic) || magic != kMagic)
-      throw InputError(fmt::format("{}: is no MCAP file: its first bytes are others", name_));
+      throw InputError(fmt::format("{}: not an MCAP file (wrong first bytes)", name_));
     report_.whole_bytes = kMagic.size();
     auto place = place_at(source_, kMagic.size());
     while (place && place->kind != Kind::kDataEnd && read(*place)) {

@@ -9,10 +9,10 @@
 #include <cstring>
 
 #include "reader_process.hpp"
+#include "step_text.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/part_stream.hpp"
-#include "step_text.hpp"
 
 namespace triskin::cad {
 namespace {
@@ -183,8 +183,8 @@ class PartReading {
                       size.x(), size.y(), size.z()));
     if (part.unit_given || (size.norm() >= kSmallestPart_mm && size.norm() <= kLargestPart_mm)) return;
     part.warnings.push_back(
-        fmt::format("the part is {:.4g} mm across, which no cover is; if its unit is wrong, --unit says the right one",
-                    size.norm()));
+        fmt::format("the part is {} {:.4g} mm across; if the unit is wrong, give the right one with --unit",
+                    size.norm() < kSmallestPart_mm ? "only" : "as much as", size.norm()));
   }
 
   std::string_view bytes_;

@@ -286,13 +286,15 @@ void find_lost(const Handle(StepData_StepModel) & model, const Handle(Transfer_T
     if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface)) && !has_face(shape)) lost.add(number_of(model, entity));
     if (is_open_solid(entity, shape)) open.add(number_of(model, entity));
   }
-  const auto tell = [](const LostEntities& some, const char* what, std::vector<std::string>& to) {
-    if (some.count() > 0) to.push_back(std::to_string(some.count()) + what + some.list());
+  const auto tell = [](const LostEntities& some, const char* one, const char* many, std::vector<std::string>& to) {
+    if (some.count() > 0) to.push_back(std::to_string(some.count()) + (some.count() == 1 ? one : many) + some.list());
   };
-  tell(lost, " of the file's faces could not be built and are missing: ", out.faults);
-  tell(broken, " entities of the shapes are damaged: ", out.faults);
-  tell(open, " solids of the file are not closed: ", out.faults);
-  tell(beside, " entities beside the shapes could not be read: ", out.warnings);
+  tell(lost, " face of the file could not be built and is missing: ",
+       " faces of the file could not be built and are missing: ", out.faults);
+  tell(broken, " entity of the shapes is damaged: ", " entities of the shapes are damaged: ", out.faults);
+  tell(open, " solid in the file is not closed: ", " solids in the file are not closed: ", out.faults);
+  tell(beside, " entity other than shapes could not be read: ", " entities other than shapes could not be read: ",
+       out.warnings);
 }
 
 Handle(TDocStd_Document) new_document() {

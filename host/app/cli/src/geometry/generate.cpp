@@ -5,9 +5,9 @@
 
 #include <memory>
 
+#include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
-#include "command.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::cli::generate_command {
@@ -50,7 +50,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kGenerate{{
     "generate",
-    "write a surface of our own to try the program on",
+    "generate a sample surface",
     "triskin generate forearm -o forearm.obj",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();

@@ -16,17 +16,17 @@ struct UnitOption {
 
   void add_to(CLI::App& app) {
     static const std::map<std::string, mesh::LengthUnit> kUnits{{"mm", mesh::LengthUnit::kMillimetre},
-                                                                    {"cm", mesh::LengthUnit::kCentimetre},
-                                                                    {"m", mesh::LengthUnit::kMetre},
-                                                                    {"in", mesh::LengthUnit::kInch},
-                                                                    {"inch", mesh::LengthUnit::kInch}};
+                                                                {"cm", mesh::LengthUnit::kCentimetre},
+                                                                {"m", mesh::LengthUnit::kMetre},
+                                                                {"in", mesh::LengthUnit::kInch},
+                                                                {"inch", mesh::LengthUnit::kInch}};
     app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm, m or in")->transform(one_of(kUnits));
   }
 };
 
 /// Adds --object NAME to a command that reads a mesh.
 inline void add_object_option(CLI::App& app, std::string& object) {
-  app.add_option("--object", object, "one object of the mesh file by its name; a wrong one lists those that are in it");
+  app.add_option("--object", object, "use only this object; an unknown name lists the available ones");
 }
 
 }  // namespace triskin::cli

@@ -21,11 +21,12 @@ inline void say_notes(const std::string& file, const std::vector<std::string>& n
   constexpr double kNearlyAll = 0.95;
   if (!side.is_open) return {};
   std::string text = fmt::format(
-      "an open part: the modules go to the side to which its faces are wound, mean normal ({:.2f}, {:.2f}, {:.2f}); "
-      "--flip takes the other",
+      "Open surface: modules go on the side the face normals point to, on average ({:.2f}, {:.2f}, {:.2f}); --flip "
+      "takes "
+      "the other",
       side.normal.x(), side.normal.y(), side.normal.z());
   if (side.toward_middle > kNearlyAll)
-    text += ". All of its faces look at its own middle: is that the outside? If not, pass --flip";
+    text += ". All faces point towards the middle of the part: is that the outside? If not, pass --flip";
   return text;
 }
 

@@ -15,14 +15,13 @@ namespace triskin::cli {
   std::string text;
   if (r.tested < 1.0) {
     text = fmt::format(
-        "time was over when {:.1f} % of the faces had been tested for crossing others: some may; give more time "
-        "(--time-limit-s)",
+        "only {:.1f} % of the faces could be tested for intersections in the time limit; the others may intersect "
+        "(raise --time-limit-s)",
         100.0 * r.tested);
   }
   if (r.reduced_mm > 0.0) {
     text += fmt::format(
-        "{}the mesh needed a repair and has more faces than there is time for: it was reduced first, by at most {:.3f} "
-        "mm",
+        "{}the mesh needed a repair, is too large for the time limit and was simplified first, by at most {:.3f} mm",
         text.empty() ? "" : "; ", r.reduced_mm);
   }
   return text;
