@@ -44,9 +44,16 @@ class Circuit {
   }
 
   void add_transceiver() {
-    constexpr const char* kTransceiver = "TCAN334";
-    constexpr std::array<ControllerPin, 6> kPins{
-        {{"CAN_TX", "TXD"}, {"CAN_RX", "RXD"}, {"VDD", "VCC"}, {"GND", "GND"}, {"CANH", "CANH"}, {"CANL", "CANL"}}};
+    // The G parts are specified beyond 1 Mbit/s (SLLSEQ7E); STB and SHDN are high active.
+    constexpr const char* kTransceiver = "TCAN334G";
+    constexpr std::array<ControllerPin, 8> kPins{{{"CAN_TX", "TXD"},
+                                                  {"CAN_RX", "RXD"},
+                                                  {"VDD", "VCC"},
+                                                  {"GND", "GND"},
+                                                  {"GND", "STB"},
+                                                  {"GND", "SHDN"},
+                                                  {"CANH", "CANH"},
+                                                  {"CANL", "CANL"}}};
     for (const ControllerPin& p : kPins) add(p.net, "U2", kTransceiver, p.pin);
     add_connector("J3", "CAN", {"CANH", "CANL", "GND"});
   }
