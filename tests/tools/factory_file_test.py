@@ -24,7 +24,7 @@ def main(objcopy: str) -> int:
         (folder / "application.bin").write_bytes(application)
         pins = ROOT / "firmware/board/stm32g474/boards/nucleo_g474re/triskin/board/board_config.hpp"
         subprocess.run([sys.executable, str(ROOT / "tools/make_factory_file"), str(folder / "loader.bin"),
-                        str(folder / "application.bin"), f"{SLOT:#x}", str(folder / "factory"), "1.2.3", str(pins)], check=True)
+                        str(folder / "application.bin"), f"{SLOT:#x}", str(folder / "factory"), "1.2.3", str(pins), str(ROOT / "firmware/board/stm32g474")], check=True)
         subprocess.run([objcopy, "-I", "ihex", "-O", "binary", "--gap-fill", "0xFF", str(folder / "factory.hex"),
                         str(folder / "read.bin")], check=True)
         flat, read = (folder / "factory.bin").read_bytes(), (folder / "read.bin").read_bytes()

@@ -67,7 +67,7 @@ add_custom_target(triskin_firmware_package ALL
 set(triskin_pins ${triskin_board_folder}/triskin/board/board_config.hpp)
 add_custom_target(triskin_factory_file ALL
   COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:triskin_loader> triskin_loader.bin
-  COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_factory_file triskin_loader.bin triskin_app_a.bin 0x08004000 triskin_factory ${PROJECT_VERSION} ${triskin_pins}
-  COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_factory_file triskin_loader.bin triskin_app_b.bin 0x08040000 triskin_factory_b ${PROJECT_VERSION} ${triskin_pins}
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_factory_file triskin_loader.bin triskin_app_a.bin 0x08004000 triskin_factory ${PROJECT_VERSION} ${triskin_pins} ${triskin_chip}
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_factory_file triskin_loader.bin triskin_app_b.bin 0x08040000 triskin_factory_b ${PROJECT_VERSION} ${triskin_pins} ${triskin_chip}
   DEPENDS triskin_loader ${CMAKE_SOURCE_DIR}/tools/make_factory_file WORKING_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} VERBATIM)
 add_dependencies(triskin_factory_file triskin_firmware_package)

@@ -8,7 +8,11 @@ namespace triskin::boot {
 namespace {
 
 constexpr std::size_t kUnitBytes = 8;
-constexpr std::size_t kStartUnit = 2, kConfirmUnit = kStartUnit + kMaxStarts, kConfirmUnits = 3;
+// Programmers write whole blocks of 1,024 bytes and fill them up with ones or zeros, so the marks lie in the second
+// block of the page, where no file has bytes.
+constexpr std::size_t kMarks = 1024, kConfirmUnits = 3;
+constexpr std::size_t kFirstStart = kMarks, kFirstConfirmation = kMarks + kMaxStarts * kUnitBytes;
+constexpr std::array<std::uint8_t, kUnitBytes> kMark{'T', 'S', 'K', 'M', 'A', 'R', 'K', 0};
 constexpr std::uint32_t kSmallest = 512;
 
 }  // namespace
@@ -17,20 +21,23 @@ bool SlotStore::vectors_fit(int slot, std::uint32_t size_bytes) const {
   return layout::vectors_fit(word(slot, 0), word(slot, 4), origin(slot), size_bytes);
 }
 
-bool SlotStore::marked(int slot, std::size_t first, std::size_t count) const {
-  for (std::size_t k = 0; k < count; ++k) {
-    if (unit_used(slot, first + k * kUnitBytes)) return true;
-  }
-  return false;
-}
-
-// Programs the first free one of `count` units. A unit torn by a power failure looks free but is refused; then the next
-// one is used.
-bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
-  static constexpr std::array<std::uint8_t, kUnitBytes> kMark{};
+// A unit of zeros was filled up by a programmer; anything else that is not erased is a mark, whole or torn by a power
+// failure.
+int SlotStore::marks(int slot, std::size_t first, std::size_t count) const {
+  int found = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t at = first + k * kUnitBytes;
-    if (!unit_used(slot, at) && area(slot).program(at, kMark)) return true;
+    if (!unit_erased(slot, at) && (word(slot, at) != 0 || word(slot, at + 4) != 0)) ++found;
+  }
+  return found;
+}
+
+// Programs the first free one of `count` units. A unit torn by a power failure may look free but is refused; then the
+// next one is used.
+bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t at = first + k * kUnitBytes;
+    if (unit_erased(slot, at) && area(slot).program(at, kMark)) return true;
   }
   return false;
 }
@@ -45,15 +52,15 @@ SlotState SlotStore::inspect(int slot) const {
   if (s.size_bytes < kSmallest || s.size_bytes > records(slot)) return s;
   s.valid = vectors_fit(slot, s.size_bytes) &&
             s.record_crc == layout::slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
-  for (std::size_t k = 0; k < kMaxStarts; ++k) s.starts += unit_used(slot, at + (kStartUnit + k) * kUnitBytes) ? 1 : 0;
-  s.confirmed = marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits);
+  s.starts = marks(slot, at + kFirstStart, kMaxStarts);
+  s.confirmed = marks(slot, at + kFirstConfirmation, kConfirmUnits) > 0;
   return s;
 }
 
 SlotState SlotStore::peek(int slot) const {
   const std::size_t at = records(slot);
   return {true,
-          marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits),
+          marks(slot, at + kFirstConfirmation, kConfirmUnits) > 0,
           0,
           word(slot, at + 4),
           word(slot, at + 8),
@@ -75,7 +82,7 @@ int SlotStore::choose() const {
 }
 
 bool SlotStore::note_start(int slot) {
-  return add_mark(slot, records(slot) + kStartUnit * kUnitBytes, kMaxStarts);
+  return add_mark(slot, records(slot) + kFirstStart, kMaxStarts);
 }
 
 Status SlotStore::erase(int slot) {
@@ -121,9 +128,9 @@ bool SlotStore::write_record(int slot, std::uint32_t sequence, std::uint32_t siz
 }
 
 void SlotStore::confirm(int slot) {
-  const std::size_t first = records(slot) + kConfirmUnit * kUnitBytes;
+  const std::size_t first = records(slot) + kFirstConfirmation;
   // The CRC is not checked here: it would delay the loop by 6 ms, and the loader has just checked it.
-  if (!marked(slot, first, kConfirmUnits)) (void)add_mark(slot, first, kConfirmUnits);
+  if (marks(slot, first, kConfirmUnits) == 0) (void)add_mark(slot, first, kConfirmUnits);
 }
 
 }  // namespace triskin::boot

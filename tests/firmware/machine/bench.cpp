@@ -40,6 +40,15 @@ BenchBoard nucleo_l452re_board() {
           false};
 }
 
+BenchBoard l452_usb_board() {
+  BenchBoard board = nucleo_l452re_board();
+  board.file = [](const char* name) { return std::filesystem::path(TRISKIN_L452_USB) / name; };
+  board.pins.lines[0] = {{0, 9}, {0, 10}};
+  board.pins.can_receive = {1, 8};
+  board.pins.can_send = {1, 9};
+  return board;
+}
+
 std::vector<std::uint8_t> whole_blocks(const ElfImage& image) {
   const std::vector<std::uint8_t> flat = image.flat();
   std::vector<std::uint8_t> out((flat.size() + 255) / 256 * 256, 0xFF);
@@ -91,6 +100,7 @@ void Bench::power_up(bool will_be_cut) {
   setup.pins = board.pins;
   setup.scl_rise_ns = scl_rise_ns;
   setup.disturbances = disturbances;
+  setup.spread = spread;
   machine = std::make_unique<Machine>(setup);
 }
 

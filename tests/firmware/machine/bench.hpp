@@ -36,6 +36,8 @@ struct BenchBoard {
 [[nodiscard]] BenchBoard icub_patch_board();
 /// The board with the other chip, an STM32L452, has four lines and no USB.
 [[nodiscard]] BenchBoard nucleo_l452re_board();
+/// The same chip with USB, CAN and line 1 at other pins (tests/firmware/machine/boards/l452_usb).
+[[nodiscard]] BenchBoard l452_usb_board();
 
 /// Pads the image to blocks of 32 frames with eight bytes, as the loader acknowledges them.
 [[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);
@@ -121,6 +123,7 @@ class Bench : public ::testing::Test {
   std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};
   bool boot_pin_high = true;
   Disturbances disturbances;
+  ChipSpread spread;
   std::uint32_t scl_rise_ns = wanted_rise_ns();
   /// The application runs from this slot, 0 for A. With TRISKIN_SLOT=b in the environment the whole suite runs from B.
   int running_slot = wanted_slot();

@@ -6,10 +6,11 @@
 namespace triskin::board {
 namespace {
 
-// By hand: 320 MHz from 8, 16 and 24 MHz are 40 times 8 MHz; 25 MHz allow no such divisor but 5, 64 times 5 MHz.
+// By hand: 320 MHz from 8, 16 and 24 MHz are 40 times 8 MHz (16 MHz that are 2 % fast would exceed the PLL's input); 25
+// MHz allow no such divisor but 5, 64 times 5 MHz.
 TEST(ClockPlan, WorkedByHand) {
   EXPECT_EQ(pll_setting(8'000'000), (PllSetting{1, 40}));
-  EXPECT_EQ(pll_setting(16'000'000), (PllSetting{1, 20}));
+  EXPECT_EQ(pll_setting(16'000'000), (PllSetting{2, 40}));
   EXPECT_EQ(pll_setting(24'000'000), (PllSetting{3, 40}));
   EXPECT_EQ(pll_setting(25'000'000), (PllSetting{5, 64}));
   // 13 · 2 MHz fails, because the PLL accepts no less than 2.66 MHz.
@@ -23,7 +24,7 @@ TEST(ClockPlan, EachSettingKeepsTheLimitsOfThePll) {
     if (!s) continue;
     const double input = mhz * 1e6 / s->divider;
     EXPECT_GE(input, 2.66e6) << mhz;
-    EXPECT_LE(input, 16e6) << mhz;
+    EXPECT_LE(1.02 * input, 16e6) << mhz << ", the internal oscillator may be 2 % fast";
     EXPECT_DOUBLE_EQ(input * s->factor, 320e6) << mhz;
   }
 }

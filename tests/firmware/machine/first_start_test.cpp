@@ -13,6 +13,9 @@ namespace triskin::machine {
 namespace {
 
 constexpr std::uint32_t kSlotA = 0x08004000;
+// docs/firmware_board.md, flash map: the marks begin 1,024 bytes into the page of records, three starts before the
+// confirmation; their first four bytes are "TSKM".
+constexpr std::uint32_t kStarts = kSlotA + 0x3B800 + 1024, kConfirmation = kStarts + 3 * 8, kMark = 0x4D4B5354;
 
 struct Crystal {
   const char* name;
@@ -97,18 +100,47 @@ TEST_F(FirstStart, PowerCutsBeforeItHasWorkedStrandNobody) {
 TEST_F(FirstStart, UptimeConfirmsNothing) {
   power_up();
   run_for(5'000'000);
-  const std::uint32_t confirmation = kSlotA + 0x3B800 + 5 * 8;
-  EXPECT_EQ(machine->read_word(confirmation), 0xFFFFFFFFU);
+  EXPECT_EQ(machine->read_word(kConfirmation), 0xFFFFFFFFU);
   EXPECT_FALSE(request({0x22, 0xFD, 0x00}).empty());
   run_for(10'000);
-  EXPECT_EQ(machine->read_word(confirmation), 0U);
+  EXPECT_EQ(machine->read_word(kConfirmation), kMark);
 }
 
 TEST_F(FirstStart, CompletedReadingsConfirmWithoutAHost) {
   store_table(patch(4));
   power_up();
   run_for(1'000'000);
-  EXPECT_EQ(machine->read_word(kSlotA + 0x3B800 + 5 * 8), 0U);
+  EXPECT_EQ(machine->read_word(kConfirmation), kMark);
+}
+
+class FilledUp : public FirstStart, public ::testing::WithParamInterface<int> {};
+
+// Programmers write the block of the commit record whole. A block of the size of the page has zeros in the marks, too:
+// no mark can be written then, but none is seen either, so the board starts.
+TEST_P(FilledUp, MarksAreWrittenWhateverAProgrammerFillsUpWith) {
+  flash.program_file(firmware("triskin_factory.hex"), {1024, static_cast<std::uint8_t>(GetParam())});
+  for (int start = 1; start <= 2; ++start) {
+    power_up();
+    run_for(100'000);
+    ASSERT_EQ(machine->vector_table(), kSlotA);
+    EXPECT_EQ(machine->read_word(kStarts + static_cast<std::uint32_t>(start - 1) * 8), kMark) << "start " << start;
+  }
+  EXPECT_EQ(machine->read_word(kConfirmation), 0xFFFFFFFFU);
+  EXPECT_TRUE(health().has_value());
+  run_for(10'000);
+  EXPECT_TRUE(confirmed());
+  EXPECT_EQ(machine->read_word(kConfirmation), kMark);
+  expect_no_violation();
+}
+
+INSTANTIATE_TEST_SUITE_P(Values, FilledUp, ::testing::Values(0xFF, 0x00));
+
+TEST_F(FirstStart, APageFullOfZerosIsNoConfirmation) {
+  flash.program_file(firmware("triskin_factory.hex"), {2048, 0x00});
+  power_up();
+  run_for(100'000);
+  ASSERT_EQ(machine->vector_table(), kSlotA);
+  EXPECT_FALSE(confirmed());
 }
 
 // Each of 200 boards is reset or loses power up to five times within its first 30 s.

@@ -89,6 +89,7 @@ TEST_F(FlashMisuse, DebuggerShutOut) {
 
 TEST_F(FlashMisuse, EraseOfAChipWithOneBank) {
   chip.options &= ~(1U << 22);
+  flash.load_options();
   flash.write(kAcr, kNoDataCache, 4);
   unlock();
   erase(0);
@@ -122,9 +123,26 @@ TEST_F(FlashMisuse, OptionsCountWhenTheyAreWritten) {
   EXPECT_TRUE(around.violations.empty());
 }
 
+// RM0440 §3.4.2: a system reset does not load what was written, OBL_LAUNCH does.
+TEST_F(FlashMisuse, OptionsAreUsedWhenTheyAreLoaded) {
+  chip.options = 0xFBEFF8AA;
+  flash.reset();
+  EXPECT_EQ(flash.loaded_options(), 0xFFEFF8AAU);
+  EXPECT_EQ(flash.read(kOptr, 4), 0xFFEFF8AAU);
+  unlock();
+  flash.write(kCr, 1U << 27, 4);
+  around.expect("OBL_LAUNCH while options are locked");
+  flash.write(kOptKeyr, 0x08192A3B, 4);
+  flash.write(kOptKeyr, 0x4C5D6E7F, 4);
+  flash.write(kCr, 1U << 27, 4);
+  flash.reset();
+  EXPECT_EQ(flash.loaded_options(), 0xFBEFF8AAU);
+}
+
 // The loader has pages 0 … 7 of bank 1; the page behind them and bank 2 can be written as before.
 TEST_F(FlashMisuse, WriteProtectedPagesStay) {
   chip.write_protection = 7U << 16;
+  flash.load_options();
   flash.reset();
   flash.write(kAcr, kNoDataCache, 4);
   for (const std::uint32_t page : {0U, 7U}) {

@@ -25,6 +25,10 @@ void ClockControl::reset_clocks(std::uint32_t control, std::uint64_t hz) {
   boost_ = stopped_ = false;
 }
 
+std::uint64_t ClockControl::internal_hz() const {
+  return static_cast<std::uint64_t>(static_cast<double>(kHsi_hz) * (1 + crystal_.internal_error));
+}
+
 std::uint64_t ClockControl::crystal_hz() const {
   const bool ready = (reg(kCr) >> kHseReady & 1) != 0;
   return ready && around_.time().now() < crystal_.fails_at ? crystal_.hz : 0;
@@ -149,7 +153,7 @@ void ClockControl::write(std::uint32_t offset, std::uint32_t value, unsigned) {
 }
 
 void Rcc::reset() {
-  reset_clocks(0x500, kHsi_hz);  // HSI is on and ready.
+  reset_clocks(0x500, internal_hz());  // HSI is on and ready.
   reg(kCfgr) = 5;
   reg(kPllCfgr) = 0x1000;
   reg(map::kAhb1) = 1U << map::kFlashBit;
@@ -163,16 +167,16 @@ const ClockControl::Pll& Rcc::pll() const {
 }
 
 std::uint64_t Rcc::source_hz(std::uint32_t source) const {
-  return source == 1 ? kHsi_hz : source == 2 ? crystal_hz() : 0;
+  return source == 1 ? internal_hz() : source == 2 ? crystal_hz() : 0;
 }
 
 std::uint64_t Rcc::pll_source_hz(std::uint32_t source) const {
-  return source == 3 ? crystal_hz() : source == 2 ? kHsi_hz : 0;
+  return source == 3 ? crystal_hz() : source == 2 ? internal_hz() : 0;
 }
 
 void Rcc::use_internal() {
   reg(kCfgr) = (reg(kCfgr) & ~0xFU) | 5;
-  set_sysclk(kHsi_hz);
+  set_sysclk(internal_hz());
 }
 
 // A high frequency needs wait states, boost, and the AHB clock halved in between.
@@ -199,7 +203,7 @@ const ClockControl::Pll& RccL4::pll() const {
 
 std::uint64_t RccL4::source_hz(std::uint32_t source) const {
   const bool hsi = (reg(kCr) >> kHsiReady & 1) != 0;
-  return source == 0 ? kMsi_hz : source == 1 ? (hsi ? kHsi_hz : 0) : source == 2 ? crystal_hz() : 0;
+  return source == 0 ? kMsi_hz : source == 1 ? (hsi ? internal_hz() : 0) : source == 2 ? crystal_hz() : 0;
 }
 
 std::uint64_t RccL4::pll_source_hz(std::uint32_t source) const {

@@ -8,6 +8,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/machine/map.hpp"
+#include "triskin/machine/map_l452.hpp"
 #include "triskin/sim/flash_model.hpp"
 
 namespace triskin::machine {
@@ -17,6 +18,8 @@ constexpr std::uint32_t kRamBase = map::kRam, kRamBytes = map::kRamBytes, kSyste
                         kNoMansLand = 0xD0000000, kNoMansLandBytes = 8U << 20;
 constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = map::kGpioA,
                         kGpioBytes = 0x2000, kScs = 0xE000E000, kScsBytes = 0x1000;
+
+constexpr std::uint32_t kBankBytes = FlashChip::kBytes / 2;
 
 void check(uc_err error, const char* what) {
   if (error != UC_ERR_OK) throw DeviceError(fmt::format("modelled machine: {}: {}", what, uc_strerror(error)));
@@ -51,6 +54,8 @@ struct Hooks {
     c.counts_.instructions += b.instructions;
     if (c.setup_.profile != nullptr) c.setup_.profile->add(static_cast<std::uint32_t>(address), b.instructions);
     c.time_.advance(b.instructions * c.cycle_);
+    if (((address ^ c.last_block_pc_) & kBankBytes) != 0)
+      c.note_jump(c.last_block_pc_, static_cast<std::uint32_t>(address));
     c.last_block_pc_ = static_cast<std::uint32_t>(address);
     c.wait_end_ = b.ends_in_wait ? c.last_block_pc_ + size : 0;
   }
@@ -95,6 +100,12 @@ struct Hooks {
   static void write_gpio(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
     core(user).gpio_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
   }
+  static std::uint64_t read_debug(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
+    return core(user).debug_.read(static_cast<std::uint32_t>(offset), size);
+  }
+  static void write_debug(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
+    core(user).debug_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
+  }
   static std::uint64_t read_scs(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
     return core(user).nvic_.read(static_cast<std::uint32_t>(offset), size);
   }
@@ -110,11 +121,12 @@ Machine::Core::Core(const MachineSetup& setup)
       pwr_(*this, *rcc_),
       tim2_(*this),
       tim16_(*this, *rcc_),
-      iwdg_(*this),
+      iwdg_(*this, setup.spread.watchdog_error),
+      debug_(*this),
       flash_(
           *this, *setup.flash, *rcc_,
           [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); },
-          setup.chip == Chip::kStm32l452),
+          setup.chip == Chip::kStm32l452, setup.spread.flash_factor),
       chain_(setup.chain),
       gpio_(*this, *rcc_, setup.lines, chain_, setup.pins),
       spi_(
@@ -124,7 +136,10 @@ Machine::Core::Core(const MachineSetup& setup)
       dma_mux_(*this, dma_),
       l4_dma1_(*this, dma_memory(), 1),
       l4_dma2_(*this, dma_memory(), 2),
-      usb_(*this, [this] { return rcc_->clock_48_ready(); }),
+      usb_(
+          *this, setup.chip == Chip::kStm32l452 ? map::l452::kUsbIrq : map::kUsbIrq,
+          [this] { return rcc_->clock_48_ready(); },
+          [this] { return setup_.chip != Chip::kStm32l452 || pwr_.usb_supply_valid(); }),
       usb_memory_(*this, usb_),
       crs_(*this),
       ram_(kRamBytes, 0xA5),
@@ -159,6 +174,7 @@ void Machine::Core::map_memory() {
   check(uc_mem_write(uc_, map::kUniqueId, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
   check(uc_mmio_map(uc_, kPeripherals, kPeripheralBytes, Hooks::read, this, Hooks::write, this), "map peripherals");
   check(uc_mmio_map(uc_, kGpioBase, kGpioBytes, Hooks::read_gpio, this, Hooks::write_gpio, this), "map GPIO");
+  check(uc_mmio_map(uc_, map::kDebug, 0x1000, Hooks::read_debug, this, Hooks::write_debug, this), "map DBGMCU");
   check(uc_mmio_map(uc_, kScs, kScsBytes, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
 }
 
@@ -223,6 +239,8 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   const std::vector<std::uint8_t> lost(code_ram_.size(), 0xA5);
   check(uc_mem_write(uc_, map::kCodeRam, lost.data(), lost.size()), "CCM RAM");
   rcc_->note_reset(3U << 26);
+  flash_.load_options();
+  debug_.reset();
   reset_core();
 }
 
@@ -230,9 +248,20 @@ void Machine::Core::press_reset() {
   request_reset(1U << 26);
 }
 
+void Machine::Core::hold(bool held) {
+  held_ = held;
+  tim2_.stand(held && debug_.timer_stands());
+  iwdg_.stand(held && debug_.watchdog_stands());
+}
+
+void Machine::Core::write_register(std::uint32_t address, std::uint32_t value) {
+  if (address >= map::kDebug && address < map::kDebug + 0x1000) return debug_.write(address - map::kDebug, value, 4);
+  bus_write(address, value, 4);
+}
+
 // Follows RM0440 table 5. Boot from RAM (nBOOT1 = 0) is not modelled.
 bool Machine::Core::boots_from_rom() const {
-  const std::uint32_t options = setup_.flash->options;
+  const std::uint32_t options = flash_.loaded_options();
   const bool by_pin = (options >> 26 & 1) != 0;
   return by_pin ? setup_.boot_pin_high : (options >> 27 & 1) == 0;
 }
@@ -390,7 +419,7 @@ void Machine::Core::run_until(Time until) {
       ++counts_.resets;
       reset_core();
     }
-    if (rcc_->stopped()) {
+    if (held_ || rcc_->stopped()) {
       time_.advance_to(std::min(time_.next(), until));
       continue;
     }
@@ -410,6 +439,15 @@ void Machine::Core::run_until(Time until) {
     }
     execute(next);
   }
+}
+
+// What was fetched ahead from one bank may be taken for the other's code (errata ES0548 2.2.10, of a sister chip).
+void Machine::Core::note_jump(std::uint32_t from, std::uint32_t to) {
+  const auto in_flash = [](std::uint32_t a) {
+    return a >= FlashChip::kBase && a < FlashChip::kBase + FlashChip::kBytes;
+  };
+  if (setup_.chip == Chip::kStm32g474 && in_flash(from) && in_flash(to) && flash_.prefetches())
+    violation(fmt::format("jump to {:#x}, in the other bank, with the prefetch on", to));
 }
 
 double Machine::Core::per_hour(Trouble trouble) const {

@@ -29,6 +29,8 @@ class Machine::Core final : public Surroundings {
   void run_until(Time until);
   void power_cycle(const FlashChip& cells);
   void press_reset();
+  void hold(bool held);
+  void write_register(std::uint32_t address, std::uint32_t value);
   [[nodiscard]] Gpio& gpio() { return gpio_; }
   [[nodiscard]] const std::string& serial_text() const { return usart_.text(); }
   void receive(const wire::CanFrame& frame) { can_->from_bus(frame); }
@@ -46,6 +48,7 @@ class Machine::Core final : public Surroundings {
   [[nodiscard]] std::uint64_t sysclk_hz() const override { return rcc_->sysclk_hz(); }
   void request_reset(std::uint32_t cause) override;
   void raise_nmi() override;
+  [[nodiscard]] bool core_runs() const override { return !held_ && !in_rom_loader_; }
 
   const MachineSetup setup_;
   std::vector<Violation> violations_;
@@ -97,6 +100,7 @@ class Machine::Core final : public Surroundings {
   Window* window_of(std::uint32_t address);
   bool gate_open(const Window& w);
 
+  void note_jump(std::uint32_t from, std::uint32_t to);
   void execute(Time until);
   [[nodiscard]] double per_hour(Trouble trouble) const;
   void book(Trouble trouble);
@@ -131,6 +135,7 @@ class Machine::Core final : public Surroundings {
   Tim2 tim2_;
   Tim16 tim16_;
   Iwdg iwdg_;
+  DebugUnit debug_;
   FlashController flash_;
   RouteChainPins chain_;
   Gpio gpio_;
@@ -153,7 +158,7 @@ class Machine::Core final : public Surroundings {
   std::mt19937_64 random_{setup_.disturbances.seed};
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0, cycle_ = 0;
-  bool in_rom_loader_ = false, stalled_ = false, stopped_before_block_ = false, one_block_ = false,
+  bool held_ = false, in_rom_loader_ = false, stalled_ = false, stopped_before_block_ = false, one_block_ = false,
        block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false,
        nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0, fault_address_ = 0;

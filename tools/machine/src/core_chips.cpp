@@ -10,7 +10,8 @@ namespace triskin::machine {
 
 std::unique_ptr<ClockControl> Machine::Core::clock_of(Surroundings& around, const MachineSetup& setup) {
   const bool fails = setup.crystal_fails_at_us != ~std::uint64_t{0};
-  const CrystalSetup crystal{setup.crystal_hz, fails ? setup.crystal_fails_at_us * kMicrosecond : kNever};
+  const CrystalSetup crystal{setup.crystal_hz, fails ? setup.crystal_fails_at_us * kMicrosecond : kNever,
+                             setup.spread.internal_error};
   if (setup.chip == Chip::kStm32l452) return std::make_unique<RccL4>(around, crystal);
   return std::make_unique<Rcc>(around, crystal);
 }
@@ -76,6 +77,9 @@ void Machine::Core::open_l452() {
   can_ = std::make_unique<Bxcan>(*this, setup_.on_can, setup_.trace, [this] { return gpio_.can_ready(); });
   open_shared_windows();
   const std::initializer_list<Window> own{{i2c_[2].get(), kI2c3, 0x400, map::kApb1, kI2c3Bit, "I2C3"},
+                                          {&crs_, kCrs, 0x400, map::kApb1, kCrsBit, "CRS"},
+                                          {&usb_, kUsb, 0x400, map::kApb1, kUsbBit, "USB"},
+                                          {&usb_memory_, kUsbMemory, 0x400, map::kApb1, kUsbBit, "USB packet memory"},
                                           {can_.get(), kCan, 0x400, map::kApb1, kCanBit, "CAN1"},
                                           {&l4_dma1_, map::kDma1, 0x400, map::kAhb1, map::kDma1Bit, "DMA1"},
                                           {&l4_dma2_, kDma2, 0x400, map::kAhb1, kDma2Bit, "DMA2"}};

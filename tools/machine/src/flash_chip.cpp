@@ -121,7 +121,23 @@ std::vector<std::uint8_t> record_bytes(const std::string& line, const std::strin
 
 }  // namespace
 
-void FlashChip::program_file(const std::filesystem::path& path) {
+// A unit of the filling counts as programmed, also where it reads as erased: the worse case for what comes later.
+void FlashChip::program_file(const std::filesystem::path& path, const Filling& filling) {
+  write_file(path);
+  if (filling.block_bytes == 0) return;
+  const std::size_t units = filling.block_bytes / kUnit;
+  for (std::size_t first = 0; first < used.size(); first += units) {
+    const auto block = std::ranges::subrange(used.begin() + static_cast<std::ptrdiff_t>(first),
+                                             used.begin() + static_cast<std::ptrdiff_t>(first + units));
+    if (std::ranges::none_of(block, [](bool u) { return u; })) continue;
+    for (std::size_t k = first; k < first + units; ++k) {
+      if (!used[k]) std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(k * kUnit), kUnit, filling.value);
+      used[k] = true;
+    }
+  }
+}
+
+void FlashChip::write_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot be read; build the preset 'firmware'", path.string()));
   std::ranges::fill(bytes, std::uint8_t{0xFF});

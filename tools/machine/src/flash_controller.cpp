@@ -10,9 +10,9 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kDataCache = 1U << 10,
-                        kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9, kInstructionCacheReset = 1U << 11,
-                        kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
+constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kOptionLaunch = 1U << 27,
+                        kDataCache = 1U << 10, kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9,
+                        kInstructionCacheReset = 1U << 11, kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
 constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEccDetected = 1U << 31,
                         kEccCorrected = 1U << 30, kEccFlags = 0xF0000000;
 constexpr std::uint32_t kProgError = 1U << 3, kProtectionError = 1U << 4, kAlignError = 1U << 5, kSizeError = 1U << 6,
@@ -27,8 +27,9 @@ void FlashController::reset() {
   sr_ = eccr_ = 0;
   cr_ = map::kFlashCrReset;
   keys_ = option_keys_ = 0;
-  options_ = chip_.options;
-  protection_ = protected_now_ = chip_.write_protection;
+  if (std::exchange(launch_, false)) load_options();
+  options_ = loaded_options_;
+  protection_ = loaded_protection_;
   locked_out_ = half_waits_ = busy_ = stale_ = false;
 }
 
@@ -100,10 +101,10 @@ void FlashController::write_option_key(std::uint32_t value) {
 
 // By errata ES0430, 2.2.2, reading one bank while the other is written may corrupt the data cache.
 void FlashController::check_data_cache() {
-  if ((acr_ & kDataCache) != 0) around_.violation("flash written with the data cache on");
+  if (around_.core_runs() && (acr_ & kDataCache) != 0) around_.violation("flash written with the data cache on");
 }
 
-// The new bytes are in the cells; the chip uses them after the next power-up (§3.4.2).
+// The new bytes are in the cells; the chip uses them after the next power-up, or when they are loaded (§3.4.2).
 void FlashController::start_options() {
   check_data_cache();
   sr_ |= kBusy;
@@ -117,6 +118,12 @@ void FlashController::start_options() {
     busy_ = false;
     sr_ &= ~kBusy;
   });
+}
+
+// Loading the option bytes resets the system; the flag in RCC_CSR says so.
+void FlashController::launch_options() {
+  launch_ = true;
+  around_.request_reset(1U << 25);
 }
 
 void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
@@ -166,11 +173,14 @@ void FlashController::write_control(std::uint32_t value) {
     return;
   }
   const bool options_open = (cr_ & kOptionLock) == 0 && (value & kOptionLock) == 0;
-  cr_ = (options_open ? 0U : kOptionLock) | (value & ~(kOptionLock | kOptionStart));
+  cr_ = (options_open ? 0U : kOptionLock) | (value & ~(kOptionLock | kOptionStart | kOptionLaunch));
   if ((cr_ & kLock) != 0) cr_ |= kOptionLock;
   if ((value & kOptionStart) != 0 && !options_open)
     return around_.violation("FLASH_CR.OPTSTRT while options are locked");
   if ((value & kOptionStart) != 0) return start_options();
+  if ((value & kOptionLaunch) != 0 && !options_open)
+    return around_.violation("FLASH_CR.OBL_LAUNCH while options are locked");
+  if ((value & kOptionLaunch) != 0) return launch_options();
   if ((cr_ & kStart) == 0) return;
   cr_ &= ~kStart;
   if ((cr_ & 2) == 0 || (cr_ & 1) != 0)
@@ -180,7 +190,8 @@ void FlashController::write_control(std::uint32_t value) {
 }
 
 // Counts the operation; if power fails in it, half of it has happened.
-void FlashController::begin(Time duration, const FlashOperation& operation) {
+void FlashController::begin(Time typical, const FlashOperation& operation) {
+  const auto duration = static_cast<Time>(static_cast<double>(typical) * time_factor_);
   check_data_cache();
   sr_ |= kBusy;
   busy_ = true;
@@ -204,7 +215,7 @@ void FlashController::begin(Time duration, const FlashOperation& operation) {
 
 // Covers area A of bank 1 (§3.7.11); the protected pages follow the option bytes as they were last loaded.
 bool FlashController::is_protected(std::uint32_t page) const {
-  return page >= (protected_now_ & page_mask()) && page <= (protected_now_ >> 16 & page_mask());
+  return page >= (loaded_protection_ & page_mask()) && page <= (loaded_protection_ >> 16 & page_mask());
 }
 
 void FlashController::start_erase() {

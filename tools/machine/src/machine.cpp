@@ -19,6 +19,12 @@ void Machine::power_cycle(const FlashChip& cells) {
 void Machine::press_reset() {
   core_->press_reset();
 }
+void Machine::hold_core(bool held) {
+  core_->hold(held);
+}
+void Machine::write_register(std::uint32_t address, std::uint32_t value) {
+  core_->write_register(address, value);
+}
 void Machine::hold_button(bool pressed) {
   core_->gpio().hold_button(pressed);
 }

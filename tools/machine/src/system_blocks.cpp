@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace triskin::machine {
 
 void Pwr::reset() {
@@ -68,12 +70,24 @@ void Tim2::reset() {
 std::uint64_t Tim2::count() const {
   if ((control_ & 1) == 0) return 0;
   const std::uint64_t hz = around_.sysclk_hz() / (prescaler_ + 1);
-  return (around_.time().now() - base_) / (kSecond / hz);
+  return (std::min(around_.time().now(), still_since_) - base_) / (kSecond / hz);
+}
+
+void Tim2::stand(bool still) {
+  if (still == (still_since_ != kNever)) return;
+  const Time now = around_.time().now();
+  if (still) {
+    still_since_ = now;
+  } else {
+    base_ += now - still_since_;
+    still_since_ = kNever;
+  }
+  book_compare();
 }
 
 void Tim2::book_compare() {
   ++generation_;
-  if ((control_ & 1) == 0) return;
+  if ((control_ & 1) == 0 || still_since_ != kNever) return;
   for (std::size_t channel = 0; channel < compare_.size(); ++channel) book_compare(channel);
 }
 
@@ -157,11 +171,35 @@ void Iwdg::reset() {
 }
 
 void Iwdg::reload() {
-  const std::uint64_t generation = ++generation_;
   const Time unit = kSecond / 32'000 * (Time{4} << prescaler_);
-  around_.time().after(unit * (reload_ + 1), [this, generation] {
+  book(static_cast<Time>(static_cast<double>(unit * (reload_ + 1)) / (1 + error_)));
+}
+
+void Iwdg::book(Time left) {
+  const std::uint64_t generation = ++generation_;
+  left_ = left;
+  if (still_) return;
+  due_ = around_.time().now() + left;
+  around_.time().after(left, [this, generation] {
     if (generation == generation_) around_.request_reset(1U << 29);
   });
+}
+
+void Iwdg::stand(bool still) {
+  if (still == still_) return;
+  still_ = still;
+  if (!running_) return;
+  if (still) {
+    ++generation_;
+    left_ = due_ - around_.time().now();
+  } else {
+    book(left_);
+  }
+}
+
+void DebugUnit::write(std::uint32_t offset, std::uint32_t value, unsigned) {
+  if (offset != kApb1Freeze) return around_.violation(fmt::format("DBGMCU register {:#x} is not modelled", offset));
+  freeze_ = value;
 }
 
 std::uint32_t Iwdg::read(std::uint32_t offset, unsigned) {

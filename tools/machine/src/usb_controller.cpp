@@ -10,7 +10,6 @@
 namespace triskin::machine {
 namespace {
 
-constexpr int kIrq = map::kUsbIrq;
 constexpr std::uint32_t kReset = 1U << 10, kSuspend = 1U << 11, kWakeUp = 1U << 12, kTransferred = 1U << 15;
 constexpr std::uint32_t kReceived = 1U << 15, kSetup = 1U << 11, kSent = 1U << 7, kPlain = 0x70F,
                         kReceiveToggle = 1U << 14, kSendToggle = 1U << 6;
@@ -56,7 +55,7 @@ std::uint32_t UsbController::status() const {
 }
 
 void UsbController::update_irq() {
-  around_.set_irq(kIrq, (status() & control_ & 0xFF80) != 0);
+  around_.set_irq(irq_, (status() & control_ & 0xFF80) != 0);
 }
 
 std::uint32_t UsbController::read(std::uint32_t offset, unsigned) {
@@ -111,6 +110,7 @@ void UsbController::write_control(std::uint32_t value) {
   if ((control_ & 2) != 0 && (value & 2) == 0) {
     powered_ = around_.time().now();
     if (!clock_ready_()) around_.violation("USB powered without its 48 MHz");
+    if (!supplied_()) around_.violation("USB powered while PWR_CR2.USV cuts its supply off");
   }
   if ((control_ & 1) != 0 && (value & 1) == 0 && (powered_ == kNever || around_.time().now() < powered_ + kStartUp)) {
     around_.violation("USB taken out of reset before its transceiver has started");

@@ -12,9 +12,9 @@ namespace triskin::machine {
 /// table, transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
 class UsbController final : public Peripheral, public UsbWire {
  public:
-  /// `clock_ready` tells that the 48 MHz clock is available.
-  UsbController(Surroundings& around, std::function<bool()> clock_ready)
-      : Peripheral(around), clock_ready_(std::move(clock_ready)) {
+  /// `clock_ready` tells that the 48 MHz clock is available, `supplied` that the transceiver has its supply.
+  UsbController(Surroundings& around, int irq, std::function<bool()> clock_ready, std::function<bool()> supplied)
+      : Peripheral(around), irq_(irq), clock_ready_(std::move(clock_ready)), supplied_(std::move(supplied)) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -23,7 +23,7 @@ class UsbController final : public Peripheral, public UsbWire {
   std::uint32_t read_memory(std::uint32_t offset, unsigned size);
   void write_memory(std::uint32_t offset, std::uint32_t value, unsigned size);
 
-  [[nodiscard]] bool attached() const override { return pull_up_ && (control_ & 3) == 0; }
+  [[nodiscard]] bool attached() const override { return pull_up_ && (control_ & 3) == 0 && supplied_(); }
   void bus_reset() override;
   void bus_suspend(bool suspended) override;
   UsbReply setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) override;
@@ -45,7 +45,8 @@ class UsbController final : public Peripheral, public UsbWire {
   [[nodiscard]] std::uint32_t status() const;
   void update_irq();
 
-  std::function<bool()> clock_ready_;
+  int irq_;
+  std::function<bool()> clock_ready_, supplied_;
   std::array<std::uint32_t, kEndpoints> endpoints_{};
   std::array<std::uint8_t, kMemoryBytes> memory_{};
   std::uint32_t control_ = 3, events_ = 0, address_ = 0, table_ = 0;

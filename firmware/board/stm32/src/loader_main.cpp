@@ -25,6 +25,9 @@ constexpr std::uint64_t kLook_us = 10'000;
   const std::uint32_t vectors = flash_map::kSlots[slot];
   const auto* table = reinterpret_cast<const std::uint32_t*>(vectors);
   asm volatile("cpsid i" ::: "memory");
+  // What was fetched ahead from one bank must not meet the jump into the other: errata ES0548 2.2.10, of a sister chip.
+  // The application switches it on again.
+  flash_reg::kAcr.clear(flash_reg::kPrefetch);
   core_reg::kVtor.write(vectors);
   asm volatile("msr msp, %0\n bx %1" ::"r"(table[0]), "r"(table[1]));
   __builtin_unreachable();

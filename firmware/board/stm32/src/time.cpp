@@ -49,6 +49,8 @@ void wake_at(std::uint64_t at_us) {
 }
 
 void start_watchdog() {
+  // Not every debugger does this itself. TIM2 gives the warning before the watchdog.
+  debug_reg::kApb1Freeze.set(debug_reg::kTim2Stands | debug_reg::kWatchdogStands);
   iwdg_reg::kKr.write(iwdg_reg::kStart);
   iwdg_reg::kKr.write(iwdg_reg::kUnlock);
   iwdg_reg::kPr.write(iwdg_reg::kPrescaler32);

@@ -73,6 +73,14 @@ std::size_t take_packet(std::size_t n, std::span<std::uint8_t, 64> out) {
   return count;
 }
 
+void switch_supply_on() {
+  if constexpr (pwr_reg::kUsbSupplyValid != 0) {
+    rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
+    (void)rcc_reg::kApb1Enr1.read();
+    pwr_reg::kUsbSupply.set(pwr_reg::kUsbSupplyValid);
+  }
+}
+
 void start_48_mhz() {
   rcc_reg::kCrrcr.set(rcc_reg::kHsi48On);
   while (!rcc_reg::kCrrcr.any(rcc_reg::kHsi48Ready)) {
@@ -87,6 +95,7 @@ void start_48_mhz() {
 void Stm32Usb::open(wire::UsbFunction& function, bool data_endpoints) {
   function_ = &function;
   data_endpoints_ = data_endpoints;
+  switch_supply_on();
   start_48_mhz();
   kCntr.write(kForceReset);  // The block is powered and still in reset.
   for (const std::uint64_t until = microseconds() + 2;

@@ -60,8 +60,9 @@ void switch_to_pll() {
 }  // namespace
 
 void start_clocks() {
-  // The loader has already switched to the PLL.
-  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & rcc_reg::kSwitchMask) == rcc_reg::kSwitchPll) return;
+  // The loader has already switched to the PLL. It jumps with the prefetch off.
+  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & rcc_reg::kSwitchMask) == rcc_reg::kSwitchPll)
+    return flash_reg::kAcr.set(flash_reg::kPrefetch);
   survivor().clock = choose_pll();
   if (survivor().clock.crystal == wire::Crystal::kNoPll) fail(wire::CrashCause::kClock);
   switch_to_pll();

@@ -17,8 +17,8 @@ BringUpStep option_bytes(const BringUpBoard& board) {
 
 BringUpStep boot_options(const BringUpBoard& board) {
   const bool idle_bus = board.boot_pin.find("CAN") != std::string_view::npos;
-  return {4, "Set nSWBOOT0 = 0, nBOOT0 = 1 and BOR_LEV = 4, cycle the power, read again.", "FLASH_OPTR",
-          "0xFBEFFCAA on a new chip",
+  return {4, "Set nSWBOOT0 = 0, nBOOT0 = 1 and BOR_LEV = 4 (the lines of step 5 do), cycle the power, read again.",
+          "FLASH_OPTR", "0xFBEFFCAA on a new chip",
           fmt::format("otherwise {} starts the ROM's loader and the board looks dead",
                       idle_bus ? "an idle CAN bus" : fmt::format("{} that is high", board.boot_pin))};
 }

@@ -28,8 +28,8 @@ struct SlotState {
 }
 
 /// Each of the two application slots ends with a page of records that are only ever appended (docs/firmware_board.md):
-/// commit (sequence, size, CRC), up to three starts, confirmation. A power failure leaves the slot in its old or its
-/// new state.
+/// commit (sequence, size, CRC), up to three starts, confirmation. The page must be larger than 1,024 bytes. A power
+/// failure leaves the slot in its old or its new state.
 class SlotStore {
  public:
   /// `origins` are the addresses at which the flash of each slot appears, for which its image is linked.
@@ -77,10 +77,10 @@ class SlotStore {
   [[nodiscard]] std::uint32_t word(int slot, std::size_t at) const {
     return ByteReader(area(slot).bytes().subspan(at, 4)).le32();
   }
-  [[nodiscard]] bool unit_used(int slot, std::size_t at) const {
-    return word(slot, at) != 0xFFFFFFFF || word(slot, at + 4) != 0xFFFFFFFF;
+  [[nodiscard]] bool unit_erased(int slot, std::size_t at) const {
+    return word(slot, at) == 0xFFFFFFFF && word(slot, at + 4) == 0xFFFFFFFF;
   }
-  [[nodiscard]] bool marked(int slot, std::size_t first, std::size_t count) const;
+  [[nodiscard]] int marks(int slot, std::size_t first, std::size_t count) const;
   bool add_mark(int slot, std::size_t first, std::size_t count);
 
   std::array<fw::FlashArea*, 2> slots_;

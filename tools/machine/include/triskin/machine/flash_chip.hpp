@@ -28,6 +28,12 @@ struct FlashOperation {
   std::uint64_t value = 0;  ///< The unit has this value afterwards.
 };
 
+/// What a programmer writes besides the bytes of the file: most write whole blocks and fill them up.
+struct Filling {
+  std::uint32_t block_bytes = 0;  ///< 0: nothing. Flash algorithms of the STM32G4 and L4 have blocks of 1,024 bytes.
+  std::uint8_t value = 0xFF;      ///< probe-rs once filled up with zeros.
+};
+
 /// Holds the cells of the flash, which outlive the machine as the real ones outlive a power cut.
 class FlashChip {
  public:
@@ -40,7 +46,7 @@ class FlashChip {
   void store(std::uint32_t address, const std::vector<std::uint8_t>& data);
   /// Writes a file as a programmer does, which erases the chip first: `.hex` in Intel's format, whose records contain
   /// their addresses; anything else as bytes from the start of the flash. Throws InputError naming file and line.
-  void program_file(const std::filesystem::path& path);
+  void program_file(const std::filesystem::path& path, const Filling& filling = {});
 
   /// Makes power fail in the middle of the operation (erase of a page or program of a unit) after the next `more` ones.
   void cut_power_after(std::uint64_t more) { cut_at = operations + more; }
@@ -49,6 +55,10 @@ class FlashChip {
   /// the unit's changing bits are programmed and its ECC is broken.
   void apply(const FlashOperation& operation, bool torn);
 
+ private:
+  void write_file(const std::filesystem::path& path);
+
+ public:
   std::vector<std::uint8_t> bytes;
   std::uint32_t options = 0xFFEFF8AA;  ///< The user option bytes begin as they leave the factory (RM0440 §3.4.1).
   /// In this FLASH_WRP1AR the first page lies behind the last one, so nothing is protected.

@@ -57,9 +57,16 @@ struct BoardPins {
   bool one_scl = false;
 };
 
-/// The STM32L452 has bxCAN instead of FDCAN, one bank of flash, other clocks, and DMA without a multiplexer. Its USB is
-/// not modelled.
+/// The STM32L452 has bxCAN instead of FDCAN, one bank of flash, other clocks, and DMA without a multiplexer. Its USB
+/// is dead until PWR_CR2.USV connects the supply.
 enum class Chip : std::uint8_t { kStm32g474, kStm32l452 };
+
+/// What differs from chip to chip of one kind. docs/silicon.md has ranges and sources.
+struct ChipSpread {
+  double internal_error = 0;  ///< The internal oscillator HSI is faster by this share.
+  double watchdog_error = 0;  ///< The same for the watchdog's oscillator LSI.
+  double flash_factor = 1;    ///< Erasing and programming take so many times the typical time.
+};
 
 /// Connects the hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
@@ -79,6 +86,7 @@ struct MachineSetup {
   sim::ChainModel* chain = nullptr;  ///< The chain of the switched modules may be null.
   /// The rise time of all lines from 30 to 70 % lengthens SCL's period by 1.42 times its value.
   std::uint32_t scl_rise_ns = 0;
+  ChipSpread spread;
   Disturbances disturbances;  ///< Disturbances occur at random times.
   BoardPins pins{};           ///< The pins belong to the board.
   bool boot_pin_high = true;  ///< PB8 at a reset is the output of the CAN transceiver, which is high on an idle bus.
@@ -117,6 +125,10 @@ class Machine {
   void power_cycle(const FlashChip& cells);
   /// Pulls the reset pin low for a moment: RAM keeps its content.
   void press_reset();
+  /// A debugger holds the core, or lets it go on: time and peripherals continue, also over a reset.
+  void hold_core(bool held);
+  /// A debugger writes a word to a register of a block.
+  void write_register(std::uint32_t address, std::uint32_t value);
   /// Holds the button at PC13 of a Nucleo board, which is high while pressed.
   void hold_button(bool pressed);
   /// Returns the virtual time since power-up, µs.

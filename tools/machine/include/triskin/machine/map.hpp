@@ -10,7 +10,8 @@ inline constexpr std::uint32_t kTim2 = 0x40000000, kCrs = 0x40002000, kIwdg = 0x
                                kUsart2 = 0x40004400, kI2c1 = 0x40005400, kI2c2 = 0x40005800, kUsb = 0x40005C00,
                                kUsbMemory = 0x40006000, kFdcan = 0x40006400, kPwr = 0x40007000, kI2c3 = 0x40007800,
                                kI2c4 = 0x40008400, kFdcanRam = 0x4000A400, kTim16 = 0x40014400, kDma1 = 0x40020000,
-                               kDmaMux = 0x40020800, kRcc = 0x40021000, kFlash = 0x40022000, kGpioA = 0x48000000;
+                               kDmaMux = 0x40020800, kRcc = 0x40021000, kFlash = 0x40022000, kGpioA = 0x48000000,
+                               kDebug = 0xE0042000;
 inline constexpr std::uint32_t kCodeRam = 0x10000000, kCodeRamBytes = 0x8000, kRam = 0x20000000, kRamBytes = 0x18000,
                                kCodeRamAlias = 0x20018000, kFlashCells = 0x08000000, kUniqueId = 0x1FFF7590;
 

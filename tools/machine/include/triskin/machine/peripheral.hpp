@@ -28,6 +28,8 @@ class Surroundings {
   [[nodiscard]] virtual std::uint64_t sysclk_hz() const = 0;
   /// Requests a system reset; `cause` is the flag in RCC_CSR.
   virtual void request_reset(std::uint32_t cause) = 0;
+  /// Returns false while the core executes nothing from the flash: a debugger holds it, or the ROM's loader runs.
+  [[nodiscard]] virtual bool core_runs() const { return true; }
   /// Raises a non-maskable interrupt, as the flash does for a unit with two wrong bits.
   virtual void raise_nmi() = 0;
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "triskin/machine/map.hpp"
+#include "triskin/machine/map_l452.hpp"
 #include "triskin/machine/peripheral.hpp"
 
 namespace triskin::machine {
@@ -11,6 +12,7 @@ namespace triskin::machine {
 struct CrystalSetup {
   std::uint64_t hz = 8'000'000;  ///< Zero stands for a missing crystal, or one that does not start.
   Time fails_at = kNever;        ///< At this time after power-up it stops permanently.
+  double internal_error = 0;     ///< HSI is faster by this share.
 };
 
 /// Models what reset and clock control of all chips have in common. Oscillators need their start-up times. A crystal
@@ -36,6 +38,7 @@ class ClockControl : public Peripheral {
   void set_boost(bool boost) { boost_ = boost; }
 
  protected:
+  [[nodiscard]] std::uint64_t internal_hz() const;
   /// What the data sheet says about the PLL, and the bits of CR and PLLCFGR that say ready and divide.
   struct Pll {
     std::uint64_t min_input_hz, max_input_hz, min_vco_hz, max_vco_hz;
@@ -105,13 +108,15 @@ class RccL4 final : public ClockControl {
   void write_oscillators(std::uint32_t before) override;
 };
 
-/// Models PWR_CR5.R1MODE and stores the other registers.
+/// Models PWR_CR5.R1MODE and PWR_CR2.USV, and stores the other registers.
 class Pwr final : public Peripheral {
  public:
   Pwr(Surroundings& around, ClockControl& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
   std::uint32_t read(std::uint32_t offset, unsigned) override { return regs_[offset / 4 & 63]; }
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
+  /// Returns true if an STM32L4 connects VDDUSB to the transceiver of USB.
+  [[nodiscard]] bool usb_supply_valid() const { return (regs_[1] & map::l452::kUsbSupplyValid) != 0; }
 
  private:
   ClockControl& rcc_;
@@ -143,6 +148,7 @@ class Tim2 final : public Peripheral {
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
+  void stand(bool still);
 
  private:
   [[nodiscard]] std::uint64_t count() const;
@@ -151,20 +157,42 @@ class Tim2 final : public Peripheral {
   void update_irq() { around_.set_irq(map::kTim2Irq, (status_ & interrupts_) != 0); }
   std::uint32_t control_ = 0, interrupts_ = 0, status_ = 0, prescaler_ = 0, prescaler_next_ = 0;
   std::array<std::uint32_t, 2> compare_{};
-  Time base_ = 0;
+  Time base_ = 0, still_since_ = kNever;
   std::uint64_t generation_ = 0;
 };
 
-/// Models the independent watchdog (RM0440 §35.4): 32 kHz; once started, only a reset stops it.
+/// Models the debug unit as far as it stops TIM2 and the watchdog while a debugger holds the core. Only power-up resets
+/// it.
+class DebugUnit final : public Peripheral {
+ public:
+  explicit DebugUnit(Surroundings& around) : Peripheral(around) {}
+  std::uint32_t read(std::uint32_t offset, unsigned) override { return offset == kApb1Freeze ? freeze_ : 0; }
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
+  void reset() override { freeze_ = 0; }
+  [[nodiscard]] bool timer_stands() const { return (freeze_ & 1) != 0; }
+  [[nodiscard]] bool watchdog_stands() const { return (freeze_ >> 12 & 1) != 0; }
+
+ private:
+  static constexpr std::uint32_t kApb1Freeze = 8;
+  std::uint32_t freeze_ = 0;
+};
+
+/// Models the independent watchdog (RM0440 §35.4): 32 kHz; once started, only a reset stops it. It can stand still.
 class Iwdg final : public Peripheral {
  public:
-  explicit Iwdg(Surroundings& around) : Peripheral(around) { reset(); }
+  /// The oscillator is faster than 32 kHz by a share of `error`.
+  explicit Iwdg(Surroundings& around, double error = 0) : Peripheral(around), error_(error) { reset(); }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
+  void stand(bool still);
 
  private:
   void reload();
+  void book(Time left);
+  double error_;
+  Time due_ = 0, left_ = 0;
+  bool still_ = false;
   bool running_ = false, unlocked_ = false;
   std::uint32_t prescaler_ = 0, reload_ = 0xFFF;
   std::uint64_t generation_ = 0;

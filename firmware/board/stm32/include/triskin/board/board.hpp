@@ -22,7 +22,7 @@ void start_microseconds();
 /// Requests an interrupt at or soon after `at_us`, to end a sleep.
 void wake_at(std::uint64_t at_us);
 
-/// Starts the IWDG with 32 kHz / 32 · 2000 = 2 s. It cannot be stopped.
+/// Starts the IWDG with 32 kHz / 32 · 2000 = 2 s. It cannot be stopped; it stands while a debugger holds the core.
 void start_watchdog();
 /// Feeds the watchdog; harmless before the start. 1.7 s after the last call, an interrupt records where the program
 /// hangs and resets the controller. The watchdog itself is for a program that has disabled interrupts.

@@ -33,6 +33,7 @@ struct BringUpBoard {
   std::string_view build;    ///< The folder in build/ that docs/program_board.md builds the image in.
   bool two_banks = true, measures_crystal = true, can_fd = true, usb = true;
   std::string_view boot_pin = "PB8 (CAN RX)";
+  bool st_flash_writes_options = true;  ///< st-flash 1.8 does not know those of every chip.
 };
 /// Returns the boards that have images; the first one is that of docs/program_board.md.
 [[nodiscard]] std::span<const BringUpBoard> bring_up_boards();
@@ -41,7 +42,9 @@ struct BringUpBoard {
 
 struct ProgrammerLine {
   std::string_view programmer;
-  std::string command;  ///< Run in the folder of the sources; it erases the chip and writes the factory file.
+  /// Run in the folder of the sources; it erases the chip, writes the factory file and, where the programmer can, the
+  /// option bytes, and starts the board.
+  std::string command;
 };
 /// Returns a line for each programmer that docs/program_board.md knows.
 [[nodiscard]] std::vector<ProgrammerLine> programmer_lines(const BringUpBoard& board);

@@ -80,6 +80,13 @@ inline constexpr std::uint32_t kStart = 0xCCCC, kUnlock = 0x5555, kReload = 0xAA
 inline constexpr std::uint32_t kPrescaler32 = 3;
 }  // namespace iwdg_reg
 
+/// The debug unit stops counters while a debugger holds the core (RM0440, chapter on debug support; RM0394 has it at
+/// the same place). Only power-up resets the register.
+namespace debug_reg {
+inline constexpr Register kApb1Freeze{0xE0042008};
+inline constexpr std::uint32_t kTim2Stands = bit(0), kWatchdogStands = bit(12);
+}  // namespace debug_reg
+
 /// The unique device id of 96 bits begins here (§48).
 inline constexpr std::uint32_t kUniqueIdAddress = 0x1FFF7590;
 

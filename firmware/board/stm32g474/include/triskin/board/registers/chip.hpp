@@ -21,6 +21,9 @@ namespace pwr_reg {
 inline constexpr std::uint32_t kBase = 0x40007000;
 inline constexpr Register kCr1{kBase + 0x00}, kCr5{kBase + 0x80};
 inline constexpr std::uint32_t kNoBoost = bit(8);  // R1MODE must be 0 above 150 MHz (§6.1.5).
+/// The supply of USB needs no switch (CR2 has none).
+inline constexpr Register kUsbSupply{kBase + 0x04};
+inline constexpr std::uint32_t kUsbSupplyValid = 0;
 }  // namespace pwr_reg
 
 /// RM0440 §7.4 describes the reset and clock control.

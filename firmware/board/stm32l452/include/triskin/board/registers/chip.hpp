@@ -14,6 +14,13 @@ inline constexpr std::uint32_t kBank2 = 0, kEccDetectedHigh = 0, kEccCorrectedHi
 inline constexpr std::uint32_t kProtectedPageMask = 0xFF, kProtectsNothing = 0xFF;  // The fields belong to WRP1AR.
 }  // namespace flash_reg
 
+/// RM0394 describes the power control in its chapter of that name. VDDUSB feeds the transceiver only when CR2.USV says
+/// that it is there; USB is dead without it.
+namespace pwr_reg {
+inline constexpr Register kUsbSupply{0x40007004};
+inline constexpr std::uint32_t kUsbSupplyValid = bit(10);
+}  // namespace pwr_reg
+
 /// RM0394 describes the reset and clock control in its chapter of that name.
 namespace rcc_reg {
 inline constexpr std::uint32_t kHsiOn = bit(8), kHsiReady = bit(10), kHseBypass = bit(18);  // The bits belong to CR.
