@@ -241,6 +241,29 @@ TEST(Plan, of_forty_islands_has_at_most_a_page_for_each_and_ten_more) {
   EXPECT_EQ(steps, 1) << "the steps stand there once";
 }
 
+// A supply of 2.8 V leaves nothing for a chain of sixteen modules at 20 mA each: the sheet says which ones need a feed.
+TEST(Plan, names_the_modules_that_need_a_second_feed) {
+  const design::Design d = strip(16);
+  const auto lines_about_feed = [&](const design::SupplyModel& supply) {
+    std::vector<std::string> found;
+    for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4, supply).pages) {
+      for (const auto& line : page.lines) {
+        if (!line.cells.empty() && line.cells[0].find("get less than") != std::string::npos)
+          found.push_back(line.cells[0]);
+      }
+    }
+    return found;
+  };
+  EXPECT_TRUE(lines_about_feed({}).empty()) << "by the figures of docs/supply.md there is enough";
+  const auto weak = lines_about_feed({.supply_v = 3.0, .module_ma = 20.0});
+  ASSERT_FALSE(weak.empty());
+  EXPECT_NE(weak[0].find("2.75 V"), std::string::npos) << weak[0];
+  const auto plan = sheet::plan_of(d, sheet::Paper::kA4, {.supply_v = 3.0, .module_ma = 20.0});
+  const int last = d.patches.at(0).modules.back().node;
+  EXPECT_LT(plan.supply_v.at(static_cast<std::size_t>(last)),
+            plan.supply_v.at(static_cast<std::size_t>(d.patches[0].entry)));
+}
+
 // No two modules that share a page overlap, or are nearer than the labels around an island need.
 TEST(Plan, islands_that_share_a_page_keep_their_distance) {
   const design::Design d = forty_islands();

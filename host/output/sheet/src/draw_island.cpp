@@ -206,6 +206,16 @@ void draw_bend(const Drawing& d, int module) {
                 {.size_mm = 2.4, .bold = true, .align = 0.5, .color = kRed});
 }
 
+// A module with too little supply has its voltage in the free corner.
+void draw_supply(const Drawing& d, int module) {
+  const double volts = d.plan.supply_v[index(module)];
+  if (volts >= d.plan.supply.needed_v()) return;
+  const auto corners = d.island->corners_of(d.design.layout.modules[index(module)].tile);
+  const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+  d.canvas.text(center + Vec2(0, marks_of(d, module).up ? -11.0 : 12.2), fmt::format("{:.1f} V", volts),
+                {.size_mm = 2.4, .bold = true, .align = 0.5, .color = kRed});
+}
+
 void draw_one(Drawing d) {
   const IslandPage& island = *d.island;
   const std::set<int> here(island.modules.begin(), island.modules.end());
@@ -220,6 +230,7 @@ void draw_one(Drawing d) {
     for (int s = 0; s < 3; ++s) draw_side(d, id, s, here);
     draw_short_sides(d, id);
     draw_bend(d, id);
+    draw_supply(d, id);
   }
   d.canvas.end_clip();
   draw_anchors(d, here);

@@ -66,7 +66,7 @@ double bend_radius_of_depth(double depth_mm) {
                         : std::numeric_limits<double>::infinity();
 }
 
-Plan plan_of(const design::Design& design, Paper paper) {
+Plan plan_of(const design::Design& design, Paper paper, const design::SupplyModel& supply) {
   if (design.layout.modules.empty())
     throw InputError(
         "export: the design has no module, so that there is nothing to build; make it again with triskin design");
@@ -75,6 +75,13 @@ Plan plan_of(const design::Design& design, Paper paper) {
   plan.wiring = design::wiring_of(design);
   plan.landmarks = landmarks_of(design.surface);
   plan.anchors = all_anchors(design, plan.landmarks);
+  plan.supply = supply;
+  plan.supply_v.resize(design.layout.modules.size(), supply.supply_v);
+  for (const design::Patch& patch : design.patches) {
+    const std::vector<double> volts = design::supply_voltages_v(design, patch, supply);
+    for (std::size_t k = 0; k < volts.size(); ++k)
+      plan.supply_v.at(static_cast<std::size_t>(patch.modules[k].node)) = volts[k];
+  }
   plan.page_of_module.resize(design.layout.modules.size());
   const auto put_together = [&] {
     auto text = text_pages(design, plan, paper);

@@ -246,6 +246,21 @@ void add_bends(Lines& lines, const design::Design& design) {
                        kPaperBendRadius_mm, text, bends.size()));
 }
 
+// Lists the controllers whose last modules have too little supply.
+void add_supply(Lines& lines, const design::Design& design, const Plan& plan) {
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    std::vector<int> weak;
+    for (const design::RoutedModule& m : design.patches[p].modules) {
+      if (plan.supply_v[static_cast<std::size_t>(m.node)] < plan.supply.needed_v()) weak.push_back(m.node);
+    }
+    if (weak.empty()) continue;
+    add_text(lines,
+             fmt::format("Controller {}: modules {} get less than {:.2f} V, which is written in red. Lead supply and "
+                         "ground to the last of them by a second pair of wires.",
+                         p, fmt::join(weak, ", "), plan.supply.needed_v()));
+  }
+}
+
 void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
   if (design.layout.jumpers.empty()) return;
   add_title(lines, "Order of work: jumpers");
@@ -297,6 +312,7 @@ Lines work_lines(const design::Design& design, const Plan& plan) {
   for (const auto& m : design.layout.modules) ++modules[static_cast<std::size_t>(m.island)];
   add_island_steps(lines, plan);
   add_bends(lines, design);
+  add_supply(lines, design, plan);
   add_island_list(lines, plan, modules);
   add_title(lines, "Order of work: on the part");
   add_tick(lines,

@@ -27,6 +27,7 @@ class PatchChecker {
     joints();
     second_entry();
     totals();
+    supply();
   }
 
  private:
@@ -172,6 +173,31 @@ class PatchChecker {
     if (hops != p_.line_hops) broken("line-hops", fmt::format("states {}, are {}", p_.line_hops, hops));
   }
 
+  // Every converter needs 2.6 V, and 0.15 V more for what the figures leave out: the pull-ups' current through ground,
+  // the converter's maximal current, heat. The currents are summed from the ends of the tree to its entry, the voltages
+  // from there to the ends. docs/supply.md has the sources.
+  void supply() {
+    constexpr double kNeeded_v = 2.6 + 0.15, kController_v = 3.3 * 0.97, kModule_a = 1e-3;
+    constexpr double kCable_ohm_per_mm = 0.98e-3, kPlugs_ohm = 0.12, kCable_mm = 500.0, kJoint_ohm = 0.23;
+    std::map<int, double> behind_a, volts;
+    for (auto m = p_.modules.rbegin(); m != p_.modules.rend(); ++m) {
+      behind_a[*m] += kModule_a;
+      if (module(*m).parent >= 0) behind_a[module(*m).parent] += behind_a[*m];
+    }
+    for (const int m : p_.modules) {
+      const int parent = module(m).parent;
+      double ohm = parent < 0 ? kCable_mm * kCable_ohm_per_mm + kPlugs_ohm : kJoint_ohm;
+      for (const CheckedDesign::Jumper& j : d_.jumpers) {
+        if (parent >= 0 && std::minmax(j.module[0], j.module[1]) == std::minmax(m, parent))
+          ohm += kPlugs_ohm + j.length * kCable_ohm_per_mm;
+      }
+      volts[m] = (parent < 0 ? kController_v : volts[parent]) - ohm * behind_a[m];
+      if (volts[m] < kNeeded_v)
+        broken("supply", fmt::format("module {} has {:.2f} V, needs {:.2f}; feed the patch at both ends", m, volts[m],
+                                     kNeeded_v));
+    }
+  }
+
   const CheckedDesign& d_;
   const CheckedDesign::Patch& p_;
   std::size_t index_;
@@ -186,7 +212,7 @@ void check_patches(const CheckedDesign& design, Findings& findings) {
                            "address-unique", "line-load",     "entry",        "one-entry",    "parent",
                            "parent-first",   "depth",         "entry-degree", "tree-degree",  "rotation",
                            "joint-use",      "entry-cable",   "max-depth",    "line-hops",    "every-module-wired",
-                           "patches-bound"}) {
+                           "patches-bound",  "supply"}) {
     findings.rule(rule);
   }
   std::vector<int> owners(design.modules.size(), 0);

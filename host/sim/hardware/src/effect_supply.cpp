@@ -3,23 +3,13 @@
 #include <cmath>
 #include <limits>
 
+#include "triskin/design/supply.hpp"
 #include "triskin/hardware/effects.hpp"
 
 namespace triskin::hardware {
 namespace {
 
 constexpr std::uint64_t kForever_us = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
-// Returns the row of each module's parent, or kNone at the cable.
-std::vector<std::size_t> parents_of(const design::Patch& patch) {
-  std::vector<std::size_t> rows;
-  for (const design::RoutedModule& m : patch.modules) {
-    const auto parent = std::ranges::find(patch.modules, m.parent, &design::RoutedModule::node);
-    rows.push_back(parent == patch.modules.end() ? kNone : static_cast<std::size_t>(parent - patch.modules.begin()));
-  }
-  return rows;
-}
 
 // Returns when the straight line from one point to the next reaches `threshold`.
 std::uint64_t crossing_us(const TimedValue& from, const TimedValue& to, double threshold) {
@@ -30,19 +20,9 @@ std::uint64_t crossing_us(const TimedValue& from, const TimedValue& to, double t
 }  // namespace
 
 std::vector<double> supply_drops_v(const SupplyEffect& effect, const design::Patch& patch) {
-  const std::vector<std::size_t> parent = parents_of(patch);
-  std::vector<int> behind(parent.size(), 0);  // The modules whose current passes here, including the module itself.
-  for (std::size_t m = 0; m < parent.size(); ++m) {
-    for (std::size_t at = m; at != kNone; at = parent[at]) ++behind[at];
-  }
-  std::vector<double> drops_v(parent.size(), 0.0);
-  for (std::size_t m = 0; m < parent.size(); ++m) {
-    for (std::size_t at = m; at != kNone; at = parent[at]) {
-      const double ohm = parent[at] == kNone ? effect.cable_ohm : effect.joint_ohm;
-      drops_v[m] += ohm * effect.module_ma * 1e-3 * behind[at];
-    }
-  }
-  return drops_v;
+  std::vector<double> ohm;
+  for (const design::RoutedModule& m : patch.modules) ohm.push_back(m.parent < 0 ? effect.cable_ohm : effect.joint_ohm);
+  return design::supply_drops_v(patch, effect.module_ma, ohm);
 }
 
 std::vector<Outage> outages_of(const SupplyEffect& effect, double drop_v) {

@@ -23,6 +23,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/short_list.hpp"
+#include "triskin/design/supply.hpp"
 #include "triskin/exports/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
 #include "verbosity.hpp"
@@ -60,6 +61,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"patches_lower_bound", r.patches_lower_bound},
                          {"jumpers", d.layout.jumpers.size()},
                          {"jumpers_lower_bound", r.jumpers_lower_bound},
+                         {"lowest_supply_v", design::lowest_supply(d).volts},
                          {"max_edge_error_mm", r.max_edge_error_mm},
                          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                          {"max_center_gap_mm", r.max_center_gap_mm},
@@ -131,6 +133,9 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   const auto& r = d.report;
   const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(mesh::open_side_of(d.surface));
   if (!open_side.empty()) output.say(open_side);
+  if (const design::LowestSupply lowest = design::lowest_supply(d); lowest.module >= 0)
+    output.say(fmt::format("supply: {:.2f} V at module {}, the lowest (needed: {:.2f})", lowest.volts, lowest.module,
+                           design::SupplyModel{}.needed_v()));
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {}, which deviate by at most {:.3f} mm; measured on all",
                            notes.solver_faces, counted(d.surface.faces.size(), "face"), notes.solver_deviation_mm));

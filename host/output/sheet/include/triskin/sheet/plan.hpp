@@ -5,6 +5,7 @@
 
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/supply.hpp"
 #include "triskin/sheet/landmarks.hpp"
 #include "triskin/sheet/sides.hpp"
 
@@ -82,6 +83,9 @@ struct Plan {
   std::vector<Landmark> landmarks;
   std::vector<std::array<Anchor, 2>> anchors;  ///< The index is the island; the module is −1 if the island has none.
   std::vector<int> page_of_module;             ///< Each module is shown at 1:1 on this page, counted from 1.
+  design::SupplyModel supply;
+  std::vector<double>
+      supply_v;  ///< Each module has this voltage; below supply.needed_v() its patch needs a second feed.
   std::vector<Page> pages;
 };
 /// The paper allows no smaller bending radius of a module; places that need one are marked.
@@ -92,6 +96,6 @@ inline constexpr double kPaperBendRadius_mm = 50.0;
 
 /// Plans the sheet: overview, key, parts, order of work, labels, one table per controller, islands. Errors: InputError
 /// for a design without modules. Cost: O(n log n) beside sides_of().
-[[nodiscard]] Plan plan_of(const design::Design& design, Paper paper);
+[[nodiscard]] Plan plan_of(const design::Design& design, Paper paper, const design::SupplyModel& supply = {});
 
 }  // namespace triskin::sheet
