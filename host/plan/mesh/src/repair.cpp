@@ -15,6 +15,7 @@
 
 #include "clean.hpp"
 #include "crossing_search.hpp"
+#include "dropped_parts.hpp"
 #include "edge_sides.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
@@ -153,8 +154,15 @@ void close_slits(Mesh& mesh, const IsLate& is_late) {
   }
 }
 
+// Tells whether the face is lower than corners are moved apart: what it covers, its neighbours nearly cover too.
+bool is_thin(const Mesh& mesh, FaceIndex face) {
+  const geometry::Triangle t = triangle_of(mesh, face);
+  const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  return 2.0 * geometry::area_of(t) < kApart_mm * longest;
+}
+
 // Values the two faces of a crossing: the one with less visibility is dropped, or if that is not measured, the smaller
-// one.
+// one; but always a thin one rather than its neighbour.
 std::map<FaceIndex, double> values_of(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
   std::vector<FaceIndex> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
@@ -163,9 +171,11 @@ std::map<FaceIndex, double> values_of(const Mesh& mesh, const Pairs& crossings, 
   const bool asks_visibility = !is_late && asked.size() <= faces_asked_in(visibility_s);
   const std::vector<Visibility> visibility = asks_visibility ? visibility_of(mesh, asked) : std::vector<Visibility>{};
   std::map<FaceIndex, double> value;
-  for (std::size_t k = 0; k < asked.size(); ++k)
-    value[asked[k]] =
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const double worth =
         asks_visibility ? std::max(visibility[k].front, visibility[k].back) : area_of_face(mesh, asked[k]);
+    value[asked[k]] = is_thin(mesh, asked[k]) ? -1.0 : worth;
+  }
   return value;
 }
 
