@@ -32,7 +32,7 @@ constexpr BadScene kKeysAndTypes[] = {
     {R"("effects":{"noise_counts":1e999})", "out of range"},
     {R"("converters":"real")", "must be \"drawn\", \"ideal\" or an object with properties"},
     {R"("converters":{"zero":1})", "is no property of a converter"},
-    {R"("converters":{"zero_counts":6000})", "converters.zero_counts"},
+    {R"("converters":{"zero_counts":6000})", "/converters/zero_counts"},
     {R"("converters":{"others":"some"})", "must be \"drawn\" or \"ideal\""},
     {R"("contacts":{})", "must be an array"},
     {R"("contacts":[7])", "must be an object"},
