@@ -139,8 +139,8 @@ TEST(KeepLimits, lift_and_depth_are_among_them) {
   EXPECT_EQ(refused_by(-10.0, 1.6, 3.1), "");
 }
 
-// Two sheets cross and face away from each other: overlap in the plane between two modules is not defined there (their
-// normals are 120° apart), and one passes through the other.
+// Two sheets cross and face away from each other (their normals are 120° apart): one module passes through the other,
+// which the overlap of their bodies says.
 TEST(KeepLimits, no_module_passes_through_another_in_space) {
   using design::Vec3;
   const auto point = [](bool is_steep, double along_mm, double y_mm) {
@@ -171,9 +171,9 @@ TEST(KeepLimits, no_module_passes_through_another_in_space) {
     EXPECT_EQ(layout.modules.size() + layout.refused.size(), 2u);
     return layout.refused;
   };
-  const std::vector<std::pair<std::string, int>> one_pierced{{"pierced", 1}};
+  const std::vector<std::pair<std::string, int>> one_overlaps{{"penetration_mm", 1}};
   for (const double cut_mm : {0.0, 3.0}) {
-    EXPECT_EQ(refused(3.0, cut_mm), one_pierced);
+    EXPECT_EQ(refused(3.0, cut_mm), one_overlaps);
     // Its nearest side lies 9.3 mm beyond the line where the sheets cross.
     EXPECT_TRUE(refused(18.0, cut_mm).empty());
   }

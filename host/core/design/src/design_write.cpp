@@ -9,6 +9,7 @@
 #include "regions_json.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 
 namespace triskin::design {
 namespace {
@@ -212,7 +213,7 @@ json document_of(const Design& design) {
 
 }  // namespace
 
-void write_design(const std::filesystem::path& path, const Design& design) {
+std::string design_text(const Design& design) {
   json file = document_of(design);
   if (design.side) file["side"] = side_json(*design.side);
   // A design of whole triangles has no such key.
@@ -222,7 +223,11 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
   // The file name may contain bytes that are not UTF-8, so the writer replaces them.
-  write_output(path, file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
+  return file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+void write_design(const std::filesystem::path& path, const Design& design) {
+  write_output(path, design_text(design));
 }
 
 }  // namespace triskin::design

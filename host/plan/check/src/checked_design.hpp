@@ -100,7 +100,8 @@ struct CheckedDesign {
 /// Returns the number of a kind by its name: 0 the standard one, k + 1 kinds[k], −1 none.
 [[nodiscard]] int kind_number(const CheckedDesign& design, const std::string& name);
 
-[[nodiscard]] CheckedDesign read_checked_design(const std::filesystem::path& path);
+/// Reads the text of a design file; errors name it `name`.
+[[nodiscard]] CheckedDesign read_checked_design(const std::string& text, const std::string& name);
 
 /// Collects violations; each rule names itself once.
 class Findings {

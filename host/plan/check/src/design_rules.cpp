@@ -9,6 +9,7 @@
 
 #include "checked_design.hpp"
 #include "module_outline.hpp"
+#include "triskin/base/text_file.hpp"
 
 namespace triskin::check {
 namespace {
@@ -164,7 +165,11 @@ void check_report(const CheckedDesign& d, Findings& f) {
 }
 
 DesignReport check_design(const std::filesystem::path& path) {
-  const CheckedDesign design = read_checked_design(path);
+  return check_design_text(read_text(path), path.string());
+}
+
+DesignReport check_design_text(const std::string& text, const std::string& name) {
+  const CheckedDesign design = read_checked_design(text, name);
   DesignReport report;
   report.corner_cut_mm = design.corner_cut;
   report.modules = design.modules.size();

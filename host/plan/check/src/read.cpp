@@ -10,10 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "checked_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
-#include "triskin/base/text_file.hpp"
-#include "checked_design.hpp"
 
 namespace triskin::check {
 namespace {
@@ -535,11 +534,10 @@ json parse_once(const std::string& text) {
 
 }  // namespace
 
-CheckedDesign read_checked_design(const std::filesystem::path& path) {
-  const std::string text = read_text(path);
+CheckedDesign read_checked_design(const std::string& text, const std::string& name) {
   if (!begins_as_json_object(text))
-    throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", path.string()));
-  require_shallow(text, path.string());
+    throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", name));
+  require_shallow(text, name);
   try {
     const json document = parse_once(text);
     require_bounded(document, "", kMaxNumber);
@@ -547,10 +545,10 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
     require_known_keys(document);
     return design;
   } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
-                                 path.string(), json_cause(e.what())));
+    throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design", name,
+                                 json_cause(e.what())));
   } catch (const InputError& e) {
-    throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+    throw InputError(fmt::format("{}: {}", name, e.what()));
   }
 }
 

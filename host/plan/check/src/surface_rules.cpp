@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "body_overlap.hpp"
 #include "surface_index.hpp"
 
 namespace triskin::check {
@@ -108,44 +109,6 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
     check_overrun(d, k, surface, f);
     check_sides(d, k, surface, f);
   }
-}
-
-// Returns the overlap of two convex outlines: the least distance that separates them, over the directions of their
-// sides.
-double overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto range_of = [](const std::vector<P2>& t, const P2& n) {
-    std::array<double, 2> range{1e300, -1e300};
-    for (const P2& p : t) range = {std::min(range[0], p.dot(n)), std::max(range[1], p.dot(n))};
-    return range;
-  };
-  const auto test = [&](const std::vector<P2>& t) {
-    for (std::size_t k = 0; k < t.size(); ++k) {
-      const P2 e = t[(k + 1) % t.size()] - t[k];
-      const P2 n = P2(-e.y(), e.x()) / e.norm();
-      const auto of_a = range_of(a, n), of_b = range_of(b, n);
-      least = std::min({least, of_a[1] - of_b[0], of_b[1] - of_a[0]});
-    }
-  };
-  test(a);
-  test(b);
-  return std::max(0.0, least);
-}
-
-// Two modules overlap when their outlines, seen along the mean of their normals, overlap within one layer.
-double module_overlap(const Triangle3& a, const Triangle3& b, double cut) {
-  const P3 na = unit_normal(a), nb = unit_normal(b);
-  const P3 between = centroid(b) - centroid(a);
-  if (between.norm() > 45.0 || na.dot(nb) < -0.2) return 0.0;
-  const P3 n = (na + nb).normalized();
-  if (std::abs(between.dot(n)) > 10.0) return 0.0;
-  const P3 x = n.unitOrthogonal(), y = n.cross(x);
-  const auto flat = [&](const Triangle3& t) {
-    std::vector<P2> points;
-    for (const P3& p : module_outline(t, cut)) points.emplace_back(p.dot(x), p.dot(y));
-    return points;
-  };
-  return overlap(flat(a), flat(b));
 }
 
 bool left_of_all_sides(const Outline3& outline, const P3& normal, const P3& p) {

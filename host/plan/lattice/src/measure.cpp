@@ -4,14 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "body_overlap.hpp"
 #include "fold_limit.hpp"
 #include "overlapping_pairs.hpp"
+#include "overrun.hpp"
+#include "point_grid.hpp"
 #include "rigid.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/map_modules.hpp"
-#include "overrun.hpp"
-#include "point_grid.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -81,7 +82,7 @@ double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
   const Vec3 ca = centroid_of(a), cb = centroid_of(b);
   if ((ca - cb).norm() > kNear_mm) return 0.0;
   const Vec3 na = normal_of(a), nb = normal_of(b);
-  if (na.dot(nb) < -0.2) return 0.0;
+  if (na.dot(nb) < kBodiesBelow) return body_overlap_mm(a, b, corner_cut_mm);
   const Vec3 n = (na + nb).normalized();
   if (std::abs(n.dot(ca - cb)) > kLayer_mm) return 0.0;
   const Vec3 x = (a[1] - a[0] - n.dot(a[1] - a[0]) * n).normalized(), y = n.cross(x);
@@ -99,7 +100,8 @@ double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
   return planar_depth(flat_outline(a), flat_outline(b));
 }
 
-void measure_on_surface(const mesh::Surface& surface, PlacedModule& m, double corner_cut_mm, const mesh::SurfaceRegions* regions) {
+void measure_on_surface(const mesh::Surface& surface, PlacedModule& m, double corner_cut_mm,
+                        const mesh::SurfaceRegions* regions) {
   const design::Outline outline = design::outline_of(m.corner_mm, corner_cut_mm);
   m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
   const SideHeights sides = walk_sides(surface, outline, kSideStep_mm);

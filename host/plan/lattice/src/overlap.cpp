@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "body_overlap.hpp"
 #include "cut_overlap.hpp"
 
 namespace triskin::lattice {
 namespace {
 
 constexpr double kLayer_mm = 10.0;  // Modules farther apart along the normal lie on different sheets.
-constexpr double kOpposite = -0.2;
 
 // Returns true if a segment passes through the inside of a triangle: its ends lie on different sides of the plane, and
 // the point between them, in the ratio of their distances, lies left of every side. On flat faces the distances are
@@ -34,7 +34,7 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
 Overlap overlap_of_triangles(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;
-  if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kOpposite) return result;
+  if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kBodiesBelow) return result;
   const Vec3 n = a.normal + b.normal;
   const double layer = n.dot(between);
   if (layer * layer > kLayer_mm * kLayer_mm * n.squaredNorm()) return result;

@@ -23,7 +23,8 @@ struct Overlap {
   int corner_a = 0, corner_b = 0;
 };
 
-/// Tests separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines the overlap. Tries
+/// Tests separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines the overlap up to 101.5°
+/// between the normals; 0 beyond (body_overlap.hpp). Tries
 /// `first_axis` first and leaves the separating one in it: neighbours that move little stay separated by the same axis.
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis);
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b);

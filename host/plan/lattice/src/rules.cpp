@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body_overlap.hpp"
 #include "fold_limit.hpp"
-#include "triskin/design/outline.hpp"
 #include "overlap.hpp"
 #include "overrun.hpp"
+#include "triskin/design/outline.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -135,7 +136,10 @@ Refusal Rules::evaluate_joints(const LatticeMesh& net, int triangle) const {
     if (has_directed_folds_ && n.dot(t.normal) < std::cos(fold_limit_between(limits_, t.normal, n, d - c)))
       return Refusal::kFold;
     int axis = 0;
-    if (overlap_of(t, net.triangles()[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
+    const double depth_mm = n.dot(t.normal) < kBodiesBelow
+                                ? body_overlap_mm(t.rigid, net.triangles()[at(other)].rigid, t.corner_cut_mm)
+                                : overlap_of(t, net.triangles()[at(other)], axis).depth_mm;
+    if (depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
   }
   return Refusal::kNone;
 }
@@ -183,6 +187,9 @@ bool Rules::exceeds_overrun(NearSurface& surface, const NetTriangle& t) const {
 
 // A plane that separates the outlines separates the modules in space too; otherwise both measures have to agree.
 bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const {
+  if (a.normal.dot(b.normal) < kBodiesBelow)
+    return body_overlap_mm(a.rigid, b.rigid, a.corner_cut_mm) > limits_.penetration_mm ||
+           pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm);
   if ((a.center - b.center).squaredNorm() > 16.0 / 9.0 * kHeight_mm * kHeight_mm) return false;
   const Overlap o = overlap_of(a, b, axis);
   return o.depth_mm > limits_.penetration_mm || pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm);

@@ -31,5 +31,7 @@ struct DesignReport {
 /// read as a design; broken rules are no errors but violations. One thread; thread-safe. Cost: about 300 closest-point
 /// queries per module, some hundred more at the border.
 [[nodiscard]] DesignReport check_design(const std::filesystem::path& path);
+/// Checks the same of the text of a design file; errors name it `name`.
+[[nodiscard]] DesignReport check_design_text(const std::string& text, const std::string& name);
 
 }  // namespace triskin::check
