@@ -11,8 +11,8 @@
 namespace triskin::test {
 
 /// Models an AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
-/// Written for these tests alone, independently of the chips of host/sim/hardware. Stages end one after another; a sequence
-/// takes 36.9 ms from the writing of CONV_RESET.
+/// Written for these tests alone, independently of the chips of host/sim/hardware. Stages end one after another; a
+/// sequence takes 36.9 ms from the writing of CONV_RESET.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;
   std::uint8_t address = 0x2C;

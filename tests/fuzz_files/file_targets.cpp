@@ -20,10 +20,10 @@
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/kinds.hpp"
 #include "triskin/design/region_file.hpp"
+#include "triskin/hardware/scene.hpp"
 #include "triskin/robot/frames.hpp"
 #include "triskin/robot/registration.hpp"
 #include "triskin/robot/robot.hpp"
-#include "triskin/hardware/scene.hpp"
 
 namespace triskin::fuzz {
 namespace {

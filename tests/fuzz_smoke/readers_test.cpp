@@ -16,12 +16,12 @@
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_list.hpp"
+#include "triskin/hardware/scene.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/placement/polygon_io.hpp"
 #include "triskin/robot/frames.hpp"
 #include "triskin/robot/registration.hpp"
 #include "triskin/robot/robot.hpp"
-#include "triskin/hardware/scene.hpp"
 
 namespace triskin {
 namespace {

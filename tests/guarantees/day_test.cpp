@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "device/robot/robots.hpp"
+#include "output/view/browser.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/live_skin.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 #include "triskin/view/server.hpp"
 #include "triskin/wire/taxel_frames.hpp"
-#include "output/view/browser.hpp"
 
 namespace triskin::test {
 namespace {

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "guarantees/faulty_program.hpp"
+#include "output/view/browser.hpp"
 #include "support/child_process.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/recording/recording.hpp"
-#include "output/view/browser.hpp"
 
 namespace triskin::test {
 namespace {

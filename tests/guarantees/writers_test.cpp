@@ -59,13 +59,14 @@ TEST_F(Writers, a_second_recorder_is_told_who_writes_the_file) {
 
 // ulimit -f counts in units of 512 bytes. The signal that the kernel sends would end the program without a word.
 TEST_F(Writers, a_recording_beyond_the_limit_of_file_sizes_ends_with_a_sentence_and_keeps_its_whole_chunks) {
-  const std::string command = fmt::format(
-      "cd '{}' && ulimit -f 60 && {} record strip.json --link sim --seconds 20 -o r.mcap >out 2>messages",
-      folder_.string(), program_file());
+  const std::string command =
+      fmt::format("cd '{}' && ulimit -f 60 && {} record strip.json --link sim --seconds 20 -o r.mcap >out 2>messages",
+                  folder_.string(), program_file());
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 2);
-  EXPECT_THAT(kept("messages"), AllOf(HasSubstr("r.mcap: cannot write (File too large)"), HasSubstr("which are there")));
+  EXPECT_THAT(kept("messages"),
+              AllOf(HasSubstr("r.mcap: cannot write (File too large)"), HasSubstr("which are there")));
   EXPECT_LE(kept("r.mcap").size(), 60U * 512);
   const recording::Summary whole = recording::read_recording(folder_ / "r.mcap", {});
   EXPECT_GT(whole.samples, 50U);

@@ -36,7 +36,9 @@ class Fixture {
   [[nodiscard]] const design::Design& design() const { return link_->skin().scene().design; }
   [[nodiscard]] session::Bus& bus() { return *bus_; }
   [[nodiscard]] hardware::VirtualSkin& skin() { return link_->skin(); }
-  deploy::FlashResult flash(const deploy::FlashOptions& options = taking_over()) { return deploy::flash(*bus_, design(), options); }
+  deploy::FlashResult flash(const deploy::FlashOptions& options = taking_over()) {
+    return deploy::flash(*bus_, design(), options);
+  }
   diagnose::VerifyResult verify(bool touch = true) {
     diagnose::VerifyOptions options;
     options.touch = touch;

@@ -15,7 +15,8 @@ class FaultyLink final : public link::Link {
   struct Rates {  // Rates are in percent of the frames.
     unsigned drop = 0, duplicate = 0, reorder = 0, delay = 0;
   };
-  FaultyLink(link::Link& inner, bool fd, Rates rates, unsigned seed) : inner_(inner), fd_(fd), rates_(rates), random_(seed) {}
+  FaultyLink(link::Link& inner, bool fd, Rates rates, unsigned seed)
+      : inner_(inner), fd_(fd), rates_(rates), random_(seed) {}
 
   /// This many frames of both directions may still pass.
   std::optional<std::uint64_t> frames_left;

@@ -21,11 +21,11 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_graph.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
-#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::test {

@@ -90,8 +90,8 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const design::Design design = random_design(10 + trial % 7, random);
     const design::Patch& patch = design.patches[0];
     if (const auto [a, b] = spare_joint(design); a >= 0) {
-      const auto match =
-          diagnose::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, layout::PatchIndex{0});
+      const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design,
+                                                  layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, diagnose::FindingKind::kMissingJoint);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a, b));
@@ -100,7 +100,7 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const int leaf = patch.modules.back().node;
     if (std::ranges::count(patch.articulation, leaf) == 0) {
       const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design,
-                                                layout::PatchIndex{0});
+                                                  layout::PatchIndex{0});
       const auto& gone = only(match);
       EXPECT_EQ(gone.kind, diagnose::FindingKind::kMissingModule);
       EXPECT_EQ(gone.module, leaf);
@@ -108,7 +108,7 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
     const int steps = 1 + static_cast<int>(random() % 2);
     const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}),
-                                              design, layout::PatchIndex{0});
+                                                design, layout::PatchIndex{0});
     const auto& d = only(match);
     EXPECT_EQ(d.kind, diagnose::FindingKind::kRotatedModule);
     EXPECT_EQ(d.module, turned);
@@ -126,7 +126,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
     if (a.rotation != b.rotation) {
       const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}),
-                                                design, layout::PatchIndex{0});
+                                                  design, layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, diagnose::FindingKind::kSwappedModules);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));
@@ -140,7 +140,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 &&
         std::ranges::count(neighbour, b.node) == 0) {
       const auto match = diagnose::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}),
-                                                design, layout::PatchIndex{0});
+                                                  design, layout::PatchIndex{0});
       const auto& d = only(match);
       EXPECT_EQ(d.kind, diagnose::FindingKind::kExtraJoint);
       EXPECT_THAT((std::array{d.module, d.other}), testing::UnorderedElementsAre(a.node, b.node));

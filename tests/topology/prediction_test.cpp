@@ -75,8 +75,8 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
       }
       seconds += report.second_cable ? 1 : 0;
       if (f.lost_one_entry < n) {
-        const layout::PatchImage backup =
-            session::image_of(design, layout::PatchIndex{0}, {layout::ModuleId{f.node}, layout::ModuleId{f.other_node}});
+        const layout::PatchImage backup = session::image_of(design, layout::PatchIndex{0},
+                                                            {layout::ModuleId{f.node}, layout::ModuleId{f.other_node}});
         ASSERT_EQ(backup.module_count, n - f.lost_one_entry)
             << trial << " module " << f.node << " other " << f.other_node;
         const auto prepared = topology.reroute(fw::Topology::table_of(backup));

@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "triskin/logic/switched/topology.hpp"
 #include "triskin/hardware/switched_patch.hpp"
+#include "triskin/logic/switched/topology.hpp"
 
 namespace triskin::test {
 

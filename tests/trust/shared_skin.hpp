@@ -9,8 +9,8 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/deploy/flash.hpp"
-#include "triskin/link/link.hpp"
 #include "triskin/hardware/virtual_skin.hpp"
+#include "triskin/link/link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
@@ -103,7 +103,8 @@ class SharedSkin {
   std::set<SampleName> on_bus_;
 };
 
-inline hardware::Scene strip_scene(int modules, int per_patch, std::uint64_t bit_rate = 0, std::uint64_t data_rate = 0) {
+inline hardware::Scene strip_scene(int modules, int per_patch, std::uint64_t bit_rate = 0,
+                                   std::uint64_t data_rate = 0) {
   hardware::Scene scene;
   scene.design = strip(modules, per_patch);
   scene.effects.bus_bit_rate = bit_rate;

@@ -16,7 +16,8 @@ using testing::ElementsAre;
 constexpr session::SampleCounts kWhole{.expected = 100, .received = 100, .with_data = 100};
 constexpr session::SampleCounts kEmpty{.expected = 100, .received = 100, .with_data = 0};
 
-session::ModuleCounts module_of(CoverIndex cover, PatchIndex patch, ModuleId module, const session::SampleCounts& counts) {
+session::ModuleCounts module_of(CoverIndex cover, PatchIndex patch, ModuleId module,
+                                const session::SampleCounts& counts) {
   return {module, patch, counts, false, cover};
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "triskin/deploy/firmware_update.hpp"
-#include "triskin/layout/image_label.hpp"
 #include "triskin/hardware/virtual_skin.hpp"
+#include "triskin/layout/image_label.hpp"
 #include "triskin/wire/identity.hpp"
 
 namespace triskin::test {

@@ -2,8 +2,8 @@
 // Tests a flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
 #include <gtest/gtest.h>
 
-#include "support/faulty_link.hpp"
 #include "support/device_fixture.hpp"
+#include "support/faulty_link.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/deploy/firmware_update.hpp"
 #include "triskin/session/controller.hpp"
@@ -59,7 +59,8 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
     if (too_late) break;
     int now_new = 0;
     for (int p = 0; p < 2; ++p) {
-      const auto now = active(fixture, p), fresh = session::bytes_of(session::image_of(fixture.design(), layout::PatchIndex{p})),
+      const auto now = active(fixture, p),
+                 fresh = session::bytes_of(session::image_of(fixture.design(), layout::PatchIndex{p})),
                  old = session::bytes_of(session::image_of(old_design, layout::PatchIndex{p}));
       ASSERT_TRUE(now == fresh || now == old) << "patch " << p << " at frame " << n;
       now_new += now == fresh ? 1 : 0;

@@ -157,7 +157,8 @@ TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
     boards.skin().on_delivery({});
     ASSERT_EQ(results.at(0).patches.size(), 16U);
     for (const FlashResult::Patch& r : results[0].patches) EXPECT_EQ(r.why.empty(), r.written) << r.patch;
-    EXPECT_EQ(results[0].bytes, 14 * session::bytes_of(session::image_of(boards.design(), layout::PatchIndex{0})).size());
+    EXPECT_EQ(results[0].bytes,
+              14 * session::bytes_of(session::image_of(boards.design(), layout::PatchIndex{0})).size());
     boards.skin().power_cycle(kCut);
     boards.bus().listen(boards.bus().now_us() + 100'000);
     for (std::size_t p = 0; p < 16; ++p) {

@@ -308,7 +308,9 @@ const std::vector<Mistake>& mistakes() {
       {"dead_chip", "a chip is missing or dead", false,
        [](H& h, R& r) { return on_module(h, r, F::kRemovedChip, K::kAbsentModule); }},
       {"wrong_chip", "another part is soldered", false,
-       [](H& h, R& r) { return on_module(h, r, F::kWrongId, K::kWrongId, [](hardware::Fault& f) { f.value = 0x1490; }); }},
+       [](H& h, R& r) {
+         return on_module(h, r, F::kWrongId, K::kWrongId, [](hardware::Fault& f) { f.value = 0x1490; });
+       }},
       {"missing_strap", "one strap wrong, the place is free", false,
        [](H& h, R& r) { return strap(h, r, true, true); }},
       {"wrong_straps", "several straps wrong, the place is free", false,

@@ -13,8 +13,8 @@
 
 namespace triskin::diagnose {
 
-using test::Fixture;
 using test::fault;
+using test::Fixture;
 
 namespace {
 
@@ -68,9 +68,9 @@ TEST(OneCause, two_boards_on_one_address_are_that_and_the_patch_without_one_is_n
   ASSERT_EQ(r.findings.size(), 1U);
   EXPECT_EQ(r.findings[0].kind, FindingKind::kDuplicateController);
   EXPECT_EQ(r.findings[0].patch, 0);
-  EXPECT_THAT(r.findings[0].text,
-              AllOf(HasSubstr("share node address 1"), HasSubstr("patch 1 has none"),
-                    HasSubstr(session::to_text(claims[0].unique_id)), HasSubstr(session::to_text(claims[1].unique_id))));
+  EXPECT_THAT(r.findings[0].text, AllOf(HasSubstr("share node address 1"), HasSubstr("patch 1 has none"),
+                                        HasSubstr(session::to_text(claims[0].unique_id)),
+                                        HasSubstr(session::to_text(claims[1].unique_id))));
 }
 
 TEST(OneCause, a_wrong_design_file_is_thought_of_before_flashing) {

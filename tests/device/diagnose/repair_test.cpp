@@ -9,8 +9,8 @@
 
 namespace triskin::diagnose {
 
-using test::Fixture;
 using test::fault;
+using test::Fixture;
 
 namespace {
 
@@ -110,7 +110,8 @@ TEST(Repair, a_line_that_is_held_is_parted_from_the_far_end) {
   f.kind = FindingKind::kStuckLine;
   f.patch = layout::PatchIndex{0};
   f.line = 1;
-  EXPECT_THAT(repair_steps(test::strip(8, 8), f, "d.json"), Contains(AllOf(HasSubstr("7, 6, 5, 4"), HasSubstr("part"))));
+  EXPECT_THAT(repair_steps(test::strip(8, 8), f, "d.json"),
+              Contains(AllOf(HasSubstr("7, 6, 5, 4"), HasSubstr("part"))));
 }
 
 TEST(Repair, every_kind_of_finding_has_steps) {

@@ -8,8 +8,8 @@
 
 namespace triskin::diagnose {
 
-using test::Fixture;
 using test::fault;
+using test::Fixture;
 
 namespace {
 

@@ -13,7 +13,8 @@ using test::fault;
 
 namespace {
 
-std::unique_ptr<hardware::SimUsbLink> simulated_hub(int modules, int per_patch, std::vector<hardware::Fault> faults = {}) {
+std::unique_ptr<hardware::SimUsbLink> simulated_hub(int modules, int per_patch,
+                                                    std::vector<hardware::Fault> faults = {}) {
   hardware::Scene scene;
   scene.design = test::strip(modules, per_patch);
   scene.faults = std::move(faults);

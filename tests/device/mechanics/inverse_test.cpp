@@ -14,9 +14,9 @@
 #include <random>
 #include <string>
 
+#include "device/mechanics/src/bonded_layer.hpp"
 #include "support/places.hpp"
 #include "triskin/base/error.hpp"
-#include "device/mechanics/src/bonded_layer.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/inverse_study.hpp"
 #include "triskin/mechanics/taxel.hpp"

@@ -9,8 +9,8 @@
 #include <functional>
 #include <numbers>
 
-#include "triskin/base/error.hpp"
 #include "device/mechanics/src/bonded_layer.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::mechanics {

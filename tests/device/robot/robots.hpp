@@ -6,10 +6,10 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/hardware/sim_link.hpp"
 #include "triskin/link/touch_actuator.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/site.hpp"
-#include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::test {

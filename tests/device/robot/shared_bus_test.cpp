@@ -51,7 +51,8 @@ TEST(SharedBus, covers_are_flashed_one_after_the_other_whatever_the_order) {
                                        site.buses[0].covers[2].design.design_id};
   const int owner[] = {0, 0, 0, 0, 1, 1, 2};
   for (std::uint8_t node = 1; node <= 6; ++node)
-    EXPECT_EQ(session::Controller(bus.bus(), node).active_table().design_id, ids[static_cast<std::size_t>(owner[node])]);
+    EXPECT_EQ(session::Controller(bus.bus(), node).active_table().design_id,
+              ids[static_cast<std::size_t>(owner[node])]);
   for (std::size_t cover = 0; cover < 3; ++cover) EXPECT_EQ(bus.flash(cover).bytes, 0U);
 }
 

@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "support/faulty_link.hpp"
 #include "support/device_fixture.hpp"
+#include "support/faulty_link.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/wire/uds.hpp"

@@ -5,8 +5,8 @@
 #include <deque>
 #include <set>
 
-#include "support/faulty_link.hpp"
 #include "support/device_fixture.hpp"
+#include "support/faulty_link.hpp"
 #include "triskin/link/combined_link.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -109,7 +109,8 @@ TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time)
   Bus line_bus(line), bus(star);
   deploy::FlashOptions one;
   one.per_wire = 1;
-  const double slow_s = flash(line_bus, one_by_one.design(), one).link_s, fast_s = deploy::flash(bus, together.design()).link_s;
+  const double slow_s = flash(line_bus, one_by_one.design(), one).link_s,
+               fast_s = deploy::flash(bus, together.design()).link_s;
   expect_tables(together);
   EXPECT_LT(fast_s, 0.5 * slow_s);
   const diagnose::VerifyOptions ask_only{};

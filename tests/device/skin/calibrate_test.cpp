@@ -22,8 +22,8 @@
 
 namespace triskin::skin {
 
-using test::Fixture;
 using test::fault;
+using test::Fixture;
 using test::taking_over;
 
 namespace {
@@ -97,7 +97,8 @@ TEST(PressureSteps, begin_with_rest_and_go_module_by_module) {
     return all;
   };
   EXPECT_EQ(text(skin::pressure_steps(kpa, {})), "0@-1 5@-1 10@-1 ");
-  EXPECT_EQ(text(skin::pressure_steps(kpa, std::array{layout::ModuleId{0}, layout::ModuleId{1}})), "0@-1 5@0 10@0 5@1 10@1 ");
+  EXPECT_EQ(text(skin::pressure_steps(kpa, std::array{layout::ModuleId{0}, layout::ModuleId{1}})),
+            "0@-1 5@0 10@0 5@1 10@1 ");
 }
 
 TEST_F(CalibrationFolder, a_ramp_is_read_and_interpolated) {
@@ -327,7 +328,8 @@ class SpreadSkin {
     return outcome;
   }
   [[nodiscard]] design::SkinCalibration calibration(const skin::CalibrationOutcome& outcome) {
-    return skin::calibration_of(design(), bus_->discover(), outcome.boards, {}, skin::CalibrationStore("/nonexistent")).skin;
+    return skin::calibration_of(design(), bus_->discover(), outcome.boards, {}, skin::CalibrationStore("/nonexistent"))
+        .skin;
   }
   // Returns the largest relative error of a sensitivity, comparing the calibration with the scene.
   [[nodiscard]] double worst_error(const design::SkinCalibration& calibration) const {
@@ -426,7 +428,8 @@ TEST_F(CalibrationFolder, a_ramp_that_rises_and_falls_finds_the_same) {
   SpreadSkin skin(4, 3.0, {}, hardware::PressureCurve({{8'000'000, 0.0}, {18'000'000, 40.0}, {28'000'000, 0.0}}));
   ASSERT_LT(skin.bus().now_us(), 8'000'000U);
   skin::CalibrateOptions options;
-  const skin::CalibrationOutcome outcome = skin::calibrate_by_ramp(skin.bus(), skin.design(), skin::PressureRamp(file), options);
+  const skin::CalibrationOutcome outcome =
+      skin::calibrate_by_ramp(skin.bus(), skin.design(), skin::PressureRamp(file), options);
   expect_errors_as_stated(skin, outcome, "40 taxels by a ramp of 4 kPa/s");
 }
 

@@ -41,7 +41,9 @@ class LiveSkins : public testing::Test {
 
   [[nodiscard]] std::string file() const { return folder_ / "strip.json"; }
   [[nodiscard]] robot::Site site_of_design() const { return robot::read_site(file()); }
-  static connect::LinkOptions simulated() { return {.link = "sim", .chosen = true, .scene = "", .own_interrupts = false}; }
+  static connect::LinkOptions simulated() {
+    return {.link = "sim", .chosen = true, .scene = "", .own_interrupts = false};
+  }
   [[nodiscard]] LiveSkin opened() const {
     LiveSkin skin(site_of_design(), simulated());
     skin.open();

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "triskin/layout/module.hpp"
 #include "triskin/hardware/ad7147.hpp"
+#include "triskin/layout/module.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 
 namespace triskin::machine {
@@ -23,8 +23,8 @@ struct PadSource final : hardware::CapacitanceSource {
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
 };
 
-/// Simulates one module: a converter of host/sim/hardware (register level, stage by stage, noise and oscillator error of the
-/// data sheet) and its faults.
+/// Simulates one module: a converter of host/sim/hardware (register level, stage by stage, noise and oscillator error
+/// of the data sheet) and its faults.
 struct SkinModule {
   PadSource source;
   std::unique_ptr<hardware::Ad7147> chip;

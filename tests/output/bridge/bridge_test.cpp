@@ -295,14 +295,16 @@ TEST(RosTypes, hashes_are_those_of_the_definitions) {
             "@@@@\n";
   const auto file = std::filesystem::temp_directory_path() / ("types." + std::to_string(::getpid()));
   write_file_atomically(file, text);
-  EXPECT_EQ(std::system(
-                ("python3 '" + test::source_folder() + "/tests/output/bridge/type_hash.py' '" + file.string() + "'").c_str()),
-            0);
+  EXPECT_EQ(
+      std::system(
+          ("python3 '" + test::source_folder() + "/tests/output/bridge/type_hash.py' '" + file.string() + "'").c_str()),
+      0);
   std::filesystem::remove(file);
 }
 
 std::string msg_file(const std::string& name) {
-  return read_file(std::filesystem::path(test::source_folder()) / "host/output/bridge/ros/triskin_msgs/msg" / (name + ".msg"));
+  return read_file(std::filesystem::path(test::source_folder()) / "host/output/bridge/ros/triskin_msgs/msg" /
+                   (name + ".msg"));
 }
 
 // ROS nodes build a package with the same messages.

@@ -8,7 +8,7 @@ namespace triskin::bridge {
 /// Streams every sample for `us` into the bridge, including those that the bus cannot carry, and flushes it; the link's
 /// time 0 is `start_ns`. Returns the report of the stream.
 inline session::StreamReport stream_overloaded(session::Bus& bus, const design::Design& design, Bridge& bridge,
-                                              std::uint64_t us, std::uint64_t start_ns) {
+                                               std::uint64_t us, std::uint64_t start_ns) {
   session::StreamOptions overload;
   overload.every = 1;
   overload.overload = true;

@@ -9,8 +9,8 @@
 
 #include <map>
 
-#include "output/bridge/reader.hpp"
 #include "guarantees/faulty_program.hpp"
+#include "output/bridge/reader.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/design.hpp"

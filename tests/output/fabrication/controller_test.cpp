@@ -8,9 +8,9 @@
 #include <regex>
 #include <set>
 
+#include "output/fabrication/src/controller_nets.hpp"
 #include "support/places.hpp"
 #include "triskin/base/files.hpp"
-#include "output/fabrication/src/controller_nets.hpp"
 
 namespace triskin::fabrication {
 namespace {

@@ -11,6 +11,11 @@
 #include <random>
 #include <set>
 
+#include "output/fabrication/src/kicad.hpp"
+#include "output/fabrication/src/module_board.hpp"
+#include "output/fabrication/src/module_tracks.hpp"
+#include "output/fabrication/src/parts_list.hpp"
+#include "output/fabrication/src/solids.hpp"
 #include "support/flat_design.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/error.hpp"
@@ -18,11 +23,6 @@
 #include "triskin/cad/read_part.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/fabrication/fabricate.hpp"
-#include "output/fabrication/src/kicad.hpp"
-#include "output/fabrication/src/module_board.hpp"
-#include "output/fabrication/src/module_tracks.hpp"
-#include "output/fabrication/src/parts_list.hpp"
-#include "output/fabrication/src/solids.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::fabrication {

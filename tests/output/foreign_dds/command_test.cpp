@@ -9,9 +9,9 @@
 #include <set>
 
 #include "app/cli/shell_case.hpp"
+#include "app/library/flashed_sim.hpp"
 #include "fast_reader.hpp"
 #include "fast_types.hpp"
-#include "app/library/flashed_sim.hpp"
 #include "settings.hpp"
 #include "support/child_process.hpp"
 #include "support/places.hpp"
@@ -107,7 +107,8 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
                                 true);
   Child command(bridge_line(sim.design_file(), served.link(), id, 3));
   const json told = json::parse(command.read_all());
-  const std::string script = "python3 '" + test::source_folder() + "/tests/output/foreign_dds/dissect.py' '" + packets + "'";
+  const std::string script =
+      "python3 '" + test::source_folder() + "/tests/output/foreign_dds/dissect.py' '" + packets + "'";
   const json topics = json::parse(Child(script).read_all());
   const auto no_message = [](const auto& /*message*/, std::uint64_t /*sequence*/) {};
   // docs/bridge.md gives type, latched, messages that are kept, messages that were sent to the reader.

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <set>
 
-#include "output/bridge/overloaded_stream.hpp"
 #include "fast_types.hpp"
+#include "output/bridge/overloaded_stream.hpp"
 #include "settings.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/bridge/bridge.hpp"

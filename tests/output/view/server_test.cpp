@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "triskin/base/error.hpp"
 #include "output/view/browser.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::test {
 namespace {

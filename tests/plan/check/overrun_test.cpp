@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "plan/check/src/surface_index.hpp"
 #include "support/covers.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "plan/check/src/surface_index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/pipeline/make_design.hpp"

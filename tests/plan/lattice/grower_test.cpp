@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "nets.hpp"
-#include "shapes.hpp"
 #include "plan/lattice/src/net_price.hpp"
+#include "shapes.hpp"
 
 namespace triskin::lattice {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "shapes.hpp"
 #include "plan/lattice/src/relax.hpp"
+#include "shapes.hpp"
 
 namespace triskin::lattice {
 namespace {

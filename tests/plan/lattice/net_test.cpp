@@ -10,8 +10,8 @@
 #include <set>
 #include <tuple>
 
-#include "random_net.hpp"
 #include "plan/lattice/src/net_price.hpp"
+#include "random_net.hpp"
 
 namespace triskin::lattice {
 namespace {

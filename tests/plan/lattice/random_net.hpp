@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "nets.hpp"
-#include "triskin/base/dice.hpp"
 #include "plan/lattice/src/zones.hpp"
+#include "triskin/base/dice.hpp"
 
 namespace triskin::lattice {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the inputs of real users, kind by kind (docs/measurements/robustness.md): one open quarter pipe in many formats.
-// Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be wrong
-// silently.
+// Tests the inputs of real users, kind by kind (docs/measurements/robustness.md): one open quarter pipe in many
+// formats. Its area, its number of faces and the side to which its faces point are known, so that a reader cannot be
+// wrong silently.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>

@@ -23,10 +23,10 @@
 namespace triskin {
 namespace {
 
-using mesh::Extraction;
-using mesh::ExtractOptions;
 using design::Mesh;
 using design::Vec3;
+using mesh::Extraction;
+using mesh::ExtractOptions;
 
 constexpr double kWrapAlpha_mm = 6.0, kWrapOffset_mm = 0.2;  // These are the defaults of extract().
 constexpr unsigned kWrapMost_s = 60;
@@ -104,8 +104,8 @@ void expect_repaired(const Case& c) {
   }
   if (std::getenv("TRISKIN_REPAIR_TABLE") != nullptr) {
     fmt::print("{}: {} crossings {} faces {} -> {} stated {:.3f} mean {:.4f} measured {:.3f}\n", name,
-               mesh::kRepairNames.name(e.report.repair), e.report.crossings, input.faces.size(),
-               e.surface.faces.size(), d.largest_mm, d.mean_mm, away);
+               mesh::kRepairNames.name(e.report.repair), e.report.crossings, input.faces.size(), e.surface.faces.size(),
+               d.largest_mm, d.mean_mm, away);
     if (std::getenv("TRISKIN_BESIDE_WRAP") != nullptr)
       print_beside_wrap(name, input, keeps_outside ? &clean : nullptr, e.surface, ours_s, dice);
   }

@@ -14,11 +14,11 @@
 namespace triskin {
 namespace {
 
+using design::Mesh;
+using design::Vec3;
 using mesh::Extraction;
 using mesh::ExtractOptions;
-using design::Mesh;
 using mesh::Repair;
-using design::Vec3;
 
 // Counts the seconds of a clock that stands still until a stage begins, and how often it is read after that.
 struct JumpingClock {

@@ -19,10 +19,10 @@
 namespace triskin {
 namespace {
 
-using mesh::FaceSide;
 using design::Mesh;
-using mesh::SideWanted;
 using design::Vec3;
+using mesh::FaceSide;
+using mesh::SideWanted;
 using testing::SideTruth;
 using testing::WalledPart;
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "polygons.hpp"
 #include "plan/placement/src/kernels/evaluator.hpp"
+#include "polygons.hpp"
 
 namespace triskin::placement {
 namespace {

@@ -8,8 +8,8 @@
 
 namespace triskin::testing {
 
-using routing::random_patch;
 using design::Tile;
+using routing::random_patch;
 using Tiles = std::set<Tile>;
 using Shape = routing::PatchShape;
 using Listed = routing::LatticePatch;

@@ -10,8 +10,8 @@
 
 #include "support/places.hpp"
 #include "triskin/base/files.hpp"
-#include "triskin/scenario/running_skin.hpp"
 #include "triskin/hardware/scene.hpp"
+#include "triskin/scenario/running_skin.hpp"
 
 namespace triskin::test {
 

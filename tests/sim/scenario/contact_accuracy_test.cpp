@@ -10,12 +10,12 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/base/dice.hpp"
+#include "triskin/hardware/skin.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/layout/taxel_signal.hpp"
 #include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/pressure_contacts.hpp"
 #include "triskin/mechanics/taxel.hpp"
-#include "triskin/hardware/skin.hpp"
 #include "triskin/skin/skin_contacts.hpp"
 
 namespace triskin {
@@ -149,8 +149,8 @@ Scatter scatter_of(double radius_mm) {
 }
 
 TEST(ContactAccuracy, TheForceOfASmallFingerScattersLittleOverItsPlaces) {
-  // The pitch of the taxels limits the smallest finger (docs/calibration.md); the limit is its scatter of 11.0 % and one
-  // standard error of 150 places, a share of 1/√300.
+  // The pitch of the taxels limits the smallest finger (docs/calibration.md); the limit is its scatter of 11.0 % and
+  // one standard error of 150 places, a share of 1/√300.
   for (const auto& [radius_mm, limit] : {std::pair(4.0, 0.117), std::pair(6.0, 0.05), std::pair(8.0, 0.02)}) {
     const Scatter s = scatter_of(radius_mm);
     std::printf("[ %2.0f mm ] mean %.3f, scatter %.1f %%, place %.2f mm RMS, within 1.96 deviations %.0f %%\n",

@@ -15,7 +15,7 @@ namespace {
 // Returns the load of one bus by every sample of the full stream at the controllers' fastest clock.
 double full_load(std::size_t modules) {
   return session::kFastestClock * wire::stream_load(modules, wire::full_sample_ns(wire::kControllerRates),
-                                                   wire::sequence_us(wire::Decimation::k256));
+                                                    wire::sequence_us(wire::Decimation::k256));
 }
 
 }  // namespace

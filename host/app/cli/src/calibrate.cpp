@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/counted.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/base/interrupt.hpp"
 #include "module_ids.hpp"
 #include "site_options.hpp"
 #include "stream_options.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/skin/keep_calibration.hpp"
 
@@ -77,7 +77,7 @@ std::vector<layout::ModuleId> chosen_modules(const Options& options, const desig
 
 // Presses step by step with the actuator, or asks a person to.
 skin::CalibrationOutcome measure_steps(const Options& options, session::Bus& bus, skin::LiveCover& cover,
-                                         skin::CalibrateOptions calibrate) {
+                                       skin::CalibrateOptions calibrate) {
   const design::Design& design = cover.design();
   const bool by_module = !options.weights_g.empty();
   calibrate.method = by_module ? wire::CalibrationMethod::kWeights : wire::CalibrationMethod::kSteps;
@@ -99,8 +99,7 @@ skin::CalibrationOutcome measure_steps(const Options& options, session::Bus& bus
   return outcome;
 }
 
-skin::CalibrationOutcome measure(const Options& options, skin::LiveBus& live, skin::LiveCover& cover,
-                                   Output& output) {
+skin::CalibrationOutcome measure(const Options& options, skin::LiveBus& live, skin::LiveCover& cover, Output& output) {
   skin::CalibrateOptions calibrate = options.calibrate;
   calibrate.stream = speaking(calibrate.stream);
   calibrate.unix_minus_link_ns = live.unix_ns(0);

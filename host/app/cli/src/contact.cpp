@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
-#include "command.hpp"
 #include "triskin/mechanics/comparison.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/inverse_study.hpp"

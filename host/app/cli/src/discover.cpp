@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "site_options.hpp"
 #include "topology_report.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/writer_lock.hpp"
-#include "site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/robot/edit.hpp"

@@ -10,10 +10,10 @@
 #include <memory>
 #include <sstream>
 
+#include "command.hpp"
 #include "doctor_checks.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/bridge/dds.hpp"
-#include "command.hpp"
 #include "triskin/connect/open_link.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/session/controller.hpp"

@@ -185,7 +185,7 @@ DoctorCheck firmware_check(const AnsweringBoard& board, const Machine& machine) 
   const std::string file = packaged ? kPackaged : "triskin_firmware.tsf";
   return {name, false, fmt::format("{}, the program is {}", board.firmware, machine.program_version),
           link::is_usb(board.link) ? fmt::format("dfu-util -d 1209:0001,1209:0002 -S {} -D {} -R", board.serial, file)
-                                     : fmt::format("triskin flash DESIGN --link {} --firmware {}", board.link, file)};
+                                   : fmt::format("triskin flash DESIGN --link {} --firmware {}", board.link, file)};
 }
 
 std::vector<DoctorCheck> attached_checks(const connect::AttachedDevice& device,

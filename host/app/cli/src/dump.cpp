@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
+#include "link_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
-#include "link_options.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/frame_text.hpp"

@@ -6,13 +6,13 @@
 #include <map>
 #include <memory>
 
+#include "command.hpp"
+#include "face_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/part_picture.hpp"
 #include "triskin/cad/read_part.hpp"
 #include "triskin/cad/select_faces.hpp"
-#include "command.hpp"
-#include "face_options.hpp"
 
 namespace triskin::cli::faces_command {
 namespace {

@@ -7,15 +7,15 @@
 #include <memory>
 #include <optional>
 
+#include "calibration_options.hpp"
 #include "live_display.hpp"
 #include "live_icub.hpp"
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/pace.hpp"
-#include "calibration_options.hpp"
 #include "site_options.hpp"
 #include "stream_options.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/pace.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::cli::live_command {
@@ -43,8 +43,7 @@ constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 class Demonstrator {
  public:
   Demonstrator(skin::LiveCover& cover, const Options& options)
-      : actuator_(options.press >= 0 ||
-                          (link::is_in_process(options.site.link.link) && options.site.link.scene.empty())
+      : actuator_(options.press >= 0 || (link::is_in_process(options.site.link.link) && options.site.link.scene.empty())
                       ? cover.actuator()
                       : nullptr),
         options_(options),

@@ -6,9 +6,9 @@
 
 #include <optional>
 
+#include "link_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/pace.hpp"
-#include "link_options.hpp"
 #include "triskin/skin/icub_skin.hpp"
 
 namespace triskin::cli {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "command.hpp"
+#include "link_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/names.hpp"
-#include "command.hpp"
-#include "link_options.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/controller.hpp"

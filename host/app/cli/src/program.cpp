@@ -99,7 +99,8 @@ int run_entry(const Entry& entry) {
   } catch (const std::bad_alloc&) {
     return fail("out of memory; use a smaller input, or give the program more (ulimit -v)", 3);
   } catch (const std::system_error& e) {
-    return fail(fmt::format("the computer refuses: {}; end other programs, or raise the limits (ulimit -a)", e.what()), 3);
+    return fail(fmt::format("the computer refuses: {}; end other programs, or raise the limits (ulimit -a)", e.what()),
+                3);
   } catch (const std::exception& e) {
     return fail(fmt::format("internal error: {}; please report it with the input", e.what()), 2);
   }

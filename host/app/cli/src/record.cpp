@@ -7,15 +7,15 @@
 #include <memory>
 #include <optional>
 
+#include "calibration_options.hpp"
 #include "contacts.hpp"
+#include "site_options.hpp"
+#include "stream_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/bridge/bridge.hpp"
-#include "calibration_options.hpp"
-#include "site_options.hpp"
-#include "stream_options.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/recording/join.hpp"

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "triskin/base/counted.hpp"
 #include "command.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::cli::recover_command {

@@ -6,14 +6,14 @@
 #include <map>
 #include <memory>
 
+#include "command.hpp"
 #include "expose_option.hpp"
 #include "live_display.hpp"
+#include "recorded_track.hpp"
 #include "replay_link.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
-#include "command.hpp"
-#include "recorded_track.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::cli::replay_command {

@@ -10,15 +10,15 @@
 #include <utility>
 
 #include "expose_option.hpp"
+#include "recorded_track.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "recorded_track.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/deploy/flash.hpp"
-#include "triskin/layout/rest.hpp"
-#include "triskin/recording/recording.hpp"
 #include "triskin/hardware/sim_link.hpp"
 #include "triskin/hardware/skin_server.hpp"
+#include "triskin/layout/rest.hpp"
+#include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::cli {

@@ -5,16 +5,16 @@
 #include <memory>
 #include <optional>
 
+#include "command.hpp"
 #include "expose_option.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "command.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/hardware/sim_server.hpp"
+#include "triskin/hardware/skin_server.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/scenario/contact_stream.hpp"
 #include "triskin/scenario/scene_check.hpp"
-#include "triskin/hardware/sim_server.hpp"
-#include "triskin/hardware/skin_server.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::cli::simulate_command {
@@ -79,7 +79,8 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
   for (std::size_t b = 0; b < robot.buses.size(); ++b) {
     const robot::BusConfig& bus = robot.site.buses[b];
     const auto folder = options.fresh ? std::filesystem::path{} : connect::state_folder_of(robot.site, bus);
-    buses.push_back({bus.name, std::make_unique<hardware::VirtualSkin>(std::move(robot.buses[b].scene), folder), nullptr});
+    buses.push_back(
+        {bus.name, std::make_unique<hardware::VirtualSkin>(std::move(robot.buses[b].scene), folder), nullptr});
   }
   return buses;
 }
@@ -119,7 +120,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   for (const SimulatedBus& bus : buses) {
     const hardware::Scene& scene = bus.skin->scene();
     for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
-      boards.push_back({{"patch", p}, {"serial", session::to_text(hardware::unique_id_of(scene, layout::PatchIndex{p}))}});
+      boards.push_back(
+          {{"patch", p}, {"serial", session::to_text(hardware::unique_id_of(scene, layout::PatchIndex{p}))}});
       if (!bus.name.empty()) boards.back()["bus"] = bus.name;
       if (bus.name.empty())
         output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));

@@ -66,7 +66,7 @@ json match_json(const diagnose::TopologyMatch& match, const std::string& file) {
 
 // Returns the best patches over all designs, sorted by differences.
 std::vector<std::pair<std::size_t, diagnose::TopologyMatch>> recognize(const wire::FoundTopology& found,
-                                                                     const std::vector<NamedDesign>& designs) {
+                                                                       const std::vector<NamedDesign>& designs) {
   std::vector<std::pair<std::size_t, diagnose::TopologyMatch>> best;
   for (std::size_t d = 0; d < designs.size(); ++d) {
     for (auto& match : diagnose::identify_patch(found, designs[d].second)) best.emplace_back(d, std::move(match));

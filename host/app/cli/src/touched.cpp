@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "triskin/base/counted.hpp"
-#include "triskin/base/files.hpp"
 #include "command.hpp"
 #include "recorded_track.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/scenario/contact_density.hpp"
 
 namespace triskin::cli::touched_command {

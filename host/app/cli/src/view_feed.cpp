@@ -189,7 +189,7 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
 }
 
 skin::LiveTotals feed(skin::LiveSkin& skin, const std::string& link, const session::StreamOptions& stream,
-                        const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands) {
+                      const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands) {
   Health health(link, skin.buses().size(), live);
   skin.on_each_bus([&](skin::LiveBus& bus) { Feed(bus, shown, live, health, commands).run(stream); });
   skin::LiveTotals sum;

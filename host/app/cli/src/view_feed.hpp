@@ -39,6 +39,6 @@ struct ShownSkin {
 /// `link` is the skin's name on the page. The page shows when a link fails, and the link is opened again every second.
 /// Virtual time follows the wall clock. Throws InputError when a link cannot be used at all.
 skin::LiveTotals feed(skin::LiveSkin& skin, const std::string& link, const session::StreamOptions& stream,
-                        const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands);
+                      const ShownSkin& shown, view::LatestSamples& live, CommandQueue& commands);
 
 }  // namespace triskin::cli

@@ -49,10 +49,10 @@ triskin_status triskin_contacts(const double* xyz_mm, const double* normals, con
     const std::size_t n = module_count * TRISKIN_TAXELS;
     constexpr double kEqualShare_mm2 = triskin::design::kModuleArea_mm2 / triskin::layout::kPressureTaxelsPerModule;
     triskin::skin::ContactFrame frame{vectors_of(xyz_mm, n),
-                                        vectors_of(normals, n),
-                                        {change_counts, change_counts + n},
-                                        {},
-                                        std::vector<double>(module_count, kEqualShare_mm2)};
+                                      vectors_of(normals, n),
+                                      {change_counts, change_counts + n},
+                                      {},
+                                      std::vector<double>(module_count, kEqualShare_mm2)};
     if (counts_per_kpa != nullptr) frame.counts_per_kpa.assign(counts_per_kpa, counts_per_kpa + n);
     for (std::size_t m = 0; m < module_count && taxel_area_mm2 != nullptr; ++m) {
       if (taxel_area_mm2[m] > 0.0) frame.taxel_area_mm2[m] = taxel_area_mm2[m];

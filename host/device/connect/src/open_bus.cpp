@@ -7,10 +7,10 @@
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "triskin/link/link_kind.hpp"
-#include "triskin/robot/assembly.hpp"
 #include "triskin/hardware/tcp_link.hpp"
 #include "triskin/hardware/virtual_skin.hpp"
+#include "triskin/link/link_kind.hpp"
+#include "triskin/robot/assembly.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::connect {
@@ -19,7 +19,8 @@ namespace {
 std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   if (!options.chosen && options.scene.empty()) return site.buses[bus].link;
   if (!options.link.starts_with("sim:")) {
-    if (options.link == link::kSimulatedBus) return link::is_usb(site.buses[bus].link) ? link::kSimulatedHub : link::kSimulatedBus;
+    if (options.link == link::kSimulatedBus)
+      return link::is_usb(site.buses[bus].link) ? link::kSimulatedHub : link::kSimulatedBus;
     if (options.link == link::kSimulatedHub || site.buses.size() == 1) return options.link;
     throw InputError(fmt::format(
         "--link {}: {} has {}; its file names their links, only sim or sim:HOST:PORT can stand for all of them",
@@ -57,7 +58,7 @@ hardware::RobotScene read_robot_scene(const std::filesystem::path& path) {
 }
 
 hardware::JointScene scene_of(const robot::BusConfig& bus, const hardware::RobotScene* scene, bool switched,
-                           std::optional<std::uint64_t> board_seed) {
+                              std::optional<std::uint64_t> board_seed) {
   std::vector<hardware::SimulatedCover> covers;
   for (const robot::CoverConfig& c : bus.covers) {
     hardware::SimulatedCover cover{c.name, &c.design, {}, scene == nullptr ? nullptr : &part_of(*scene, c)};

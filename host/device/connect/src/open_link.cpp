@@ -11,12 +11,12 @@
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/nearest_name.hpp"
 #include "triskin/connect/attached.hpp"
+#include "triskin/hardware/sim_link.hpp"
+#include "triskin/hardware/tcp_link.hpp"
 #include "triskin/link/can_link.hpp"
 #include "triskin/link/combined_link.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/link/usb_link.hpp"
-#include "triskin/hardware/sim_link.hpp"
-#include "triskin/hardware/tcp_link.hpp"
 
 namespace triskin::connect {
 namespace {
@@ -64,7 +64,8 @@ std::unique_ptr<link::Link> open_usb(const std::string& link) {
 
 }  // namespace
 
-std::unique_ptr<link::Link> simulate_here(const std::string& link, hardware::Scene scene, const std::filesystem::path& folder) {
+std::unique_ptr<link::Link> simulate_here(const std::string& link, hardware::Scene scene,
+                                          const std::filesystem::path& folder) {
   if (link == link::kSimulatedHub) return std::make_unique<hardware::SimUsbLink>(std::move(scene), folder);
   return std::make_unique<hardware::SimLink>(std::move(scene), folder);
 }
@@ -136,7 +137,8 @@ std::unique_ptr<link::Link> open_link(const LinkOptions& options, const design::
   if (link::is_in_process(options.link)) return open_sim(options, design);
   if (!options.scene.empty())
     throw InputError("--scene belongs to --link sim and sim-usb; give the scene to triskin simulate instead");
-  if (options.link.starts_with("sim:")) return std::make_unique<hardware::TcpLink>(hardware::parse_host_port(options.link.substr(4)));
+  if (options.link.starts_with("sim:"))
+    return std::make_unique<hardware::TcpLink>(hardware::parse_host_port(options.link.substr(4)));
   if (options.link.find(',') != std::string::npos) return open_several(options.link);
   if (auto wire = open_wire(options.link)) return wire;
   refuse_unknown(options.link);

@@ -132,8 +132,8 @@ class Session {
       } else {
         const wire::Hello h = session::Controller(*bus_, static_cast<std::uint8_t>(node)).hello();
         good = good && h.wire_version == wire::kWireVersion;
-        found += fmt::format("controller {}: serial {}, wire version {}, table layout {}", node, session::to_text(h.unique_id),
-                             h.wire_version, h.layout_version);
+        found += fmt::format("controller {}: serial {}, wire version {}, table layout {}", node,
+                             session::to_text(h.unique_id), h.wire_version, h.layout_version);
       }
     }
     return good ? passed(found) : failed(found);

@@ -20,7 +20,8 @@ namespace {
 // cover is flashed.
 class FreeAddresses {
  public:
-  FreeAddresses(const session::Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
+  FreeAddresses(const session::Bus& bus, const design::Design& design, const FlashOptions& options)
+      : name_(bus.name()) {
     for (const layout::PatchIndex patch : design::patches_here(design))
       used_.insert(design::node_address_of(design, patch));
     for (const FlashOptions::Neighbour& n : options.neighbours) promised_.insert(n.node);
@@ -144,8 +145,8 @@ void CoverFlash::find(std::vector<wire::NodeClaim>& claims) {
 std::vector<FlashOptions::Neighbour> CoverFlash::settled() const {
   std::vector<FlashOptions::Neighbour> list;
   for (const Board& b : boards_)
-    list.push_back(
-        {layout::NodeAddress{address_of(b)}, design_.design_id, session::to_text(b.claim.unique_id), &design_, b.patch});
+    list.push_back({layout::NodeAddress{address_of(b)}, design_.design_id, session::to_text(b.claim.unique_id),
+                    &design_, b.patch});
   return list;
 }
 

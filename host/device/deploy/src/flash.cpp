@@ -48,7 +48,8 @@ std::string sentence(const Failure& f) {
 
 std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const session::RouteChoice& route,
                                                  bool positive_input) {
-  if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return session::concerns(p, route); })) {
+  if (route.module >= 0 &&
+      std::ranges::none_of(design.patches, [&](const auto& p) { return session::concerns(p, route); })) {
     throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
                                      : fmt::format("modules {} and {} are not in one patch of the design", route.module,
                                                    route.other));
@@ -195,7 +196,8 @@ void flash_together(std::span<const FlashPart> parts, std::vector<FlashResult>& 
   sum_up_all();
 }
 
-FlashResult flash(session::Bus& bus, const design::Design& design, const FlashOptions& options, const ProgressSink& progress) {
+FlashResult flash(session::Bus& bus, const design::Design& design, const FlashOptions& options,
+                  const ProgressSink& progress) {
   std::vector<FlashResult> results;
   flash_together(std::array{FlashPart{&bus, &design, options, progress}}, results);
   return std::move(results.front());

@@ -32,9 +32,11 @@ bool holds_table(session::Controller& controller, Bytes image) {
          std::ranges::equal(controller.read_table(image.size()), image);
 }
 
-void write_and_compare(session::Controller& controller, session::Bus& bus, Bytes image, const std::function<void(double)>& steps) {
+void write_and_compare(session::Controller& controller, session::Bus& bus, Bytes image,
+                       const std::function<void(double)>& steps) {
   write_with_retries(controller, image, steps);
-  const session::Bus::Uninterrupted guard(bus);  // After an interruption here, it would be unknown which table is active.
+  const session::Bus::Uninterrupted guard(
+      bus);  // After an interruption here, it would be unknown which table is active.
   const std::vector<std::uint8_t> back = controller.read_table(image.size());
   const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
   if (a != image.end() || b != back.end()) {

@@ -13,6 +13,7 @@ namespace triskin::deploy {
 /// Writes a table, activates it, reads it back and clears the fault memory, because its rows would now mean other
 /// modules. `steps` (may be empty) is that of Controller::write_table. Throws DeviceError when a byte reads back
 /// differently, and otherwise as Controller does.
-void write_and_compare(session::Controller& controller, session::Bus& bus, Bytes image, const std::function<void(double)>& steps);
+void write_and_compare(session::Controller& controller, session::Bus& bus, Bytes image,
+                       const std::function<void(double)>& steps);
 
 }  // namespace triskin::deploy

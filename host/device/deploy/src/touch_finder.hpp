@@ -22,7 +22,8 @@ class TouchFinder {
   /// Makes every board sample; those without a table of a design get one for the chips that they see. Takes up to 1.5
   /// s. A board that cannot sample is reported and never feels a touch. `bus` and `design` must outlive the object.
   /// Throws as Controller does.
-  TouchFinder(session::Bus& bus, const design::Design& design, std::vector<FeelingBoard> boards, const IdentifyOptions& options);
+  TouchFinder(session::Bus& bus, const design::Design& design, std::vector<FeelingBoard> boards,
+              const IdentifyOptions& options);
 
   /// Asks for a touch of `patch`; returns the index of the board that felt it, or nothing if none did in time. Boards
   /// that were already found are not considered.

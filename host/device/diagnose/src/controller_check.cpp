@@ -89,7 +89,8 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, session::Controller&
   if (!table) return false;
   if (!differ_in_kinds_alone(*table, p.image)) return false;
   for (std::size_t k = 0; k < table->module_count; ++k) {
-    const int is = table->modules[k].module_id >> layout::kKindShift, meant = session::kind_of_row(design_, p.image.modules[k]);
+    const int is = table->modules[k].module_id >> layout::kKindShift,
+              meant = session::kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
     Finding f = controller_finding(
         FindingKind::kWrongKind, p.patch,
@@ -175,17 +176,16 @@ Finding ControllerCheck::duplicate_finding(layout::PatchIndex patch,
 Finding ControllerCheck::unflashed_finding(std::size_t new_controllers) const {
   const std::string silent =
       absent_.size() <= new_controllers ? "" : fmt::format(", and {} do not answer", absent_.size() - new_controllers);
-  return controller_finding(FindingKind::kNotFlashed, absent_.front(),
-                            fmt::format("{}: no controller has {}; {}{}", patches_text(absent_),
-                                        absent_.size() == 1 ? "its table" : "their tables",
-                                        claims_.size() == 1
-                                            ? std::string("the only controller on the link has no table")
-                                            : fmt::format("{} of {} controllers on the link {} no table",
-                                                          new_controllers, claims_.size(),
-                                                          agreeing(new_controllers, "has", "have")),
-                                        silent),
-                            silent.empty() ? "run triskin flash with this design and link"
-                                           : "check power and cables of all controllers, then run triskin flash");
+  return controller_finding(
+      FindingKind::kNotFlashed, absent_.front(),
+      fmt::format("{}: no controller has {}; {}{}", patches_text(absent_),
+                  absent_.size() == 1 ? "its table" : "their tables",
+                  claims_.size() == 1 ? std::string("the only controller on the link has no table")
+                                      : fmt::format("{} of {} controllers on the link {} no table", new_controllers,
+                                                    claims_.size(), agreeing(new_controllers, "has", "have")),
+                  silent),
+      silent.empty() ? "run triskin flash with this design and link"
+                     : "check power and cables of all controllers, then run triskin flash");
 }
 
 // A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.

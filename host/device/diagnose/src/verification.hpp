@@ -69,7 +69,8 @@ struct TouchOutcome {
 class TouchTest {
  public:
   /// `actuator` presses the modules of the design; null means that a person does.
-  TouchTest(session::Bus& bus, link::TouchActuator* actuator, const design::Design& design, std::vector<PatchState>& patches)
+  TouchTest(session::Bus& bus, link::TouchActuator* actuator, const design::Design& design,
+            std::vector<PatchState>& patches)
       : bus_(bus), actuator_(actuator), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
   /// Returns empty if the person skipped the module.
   std::optional<TouchOutcome> press(layout::ModuleId module, const PatchState& patch, const VerifyOptions& options);

@@ -98,7 +98,8 @@ void add_crashes(const std::vector<PatchState>& patches, const VerifyOptions& op
 }
 
 // Asks patches on different wires in parallel.
-void ask_all(session::Bus& bus, std::vector<PatchState>& patches, const std::function<void(session::Bus&, PatchState&)>& ask) {
+void ask_all(session::Bus& bus, std::vector<PatchState>& patches,
+             const std::function<void(session::Bus&, PatchState&)>& ask) {
   std::vector<session::Task> tasks;
   for (PatchState& p : patches) {
     if (p.usable) tasks.push_back({p.image.node_address, [&](session::Bus& own) { ask(own, p); }});

@@ -11,11 +11,11 @@
 #include <numbers>
 #include <tuple>
 
-#include "triskin/base/error.hpp"
 #include "bonded_layer.hpp"
-#include "triskin/mechanics/contact_table.hpp"
 #include "layer_patch.hpp"
 #include "logarithmic.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/taxel.hpp"
 #include "winkler.hpp"
 

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "triskin/base/error.hpp"
 #include "bonded_layer.hpp"
-#include "triskin/mechanics/contact_table.hpp"
 #include "logarithmic.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/mechanics/contact_table.hpp"
 #include "winkler.hpp"
 
 namespace triskin::mechanics {

@@ -128,7 +128,8 @@ deploy::FlashOptions flash_options(const BusConfig& bus, const CoverConfig& cove
   return options;
 }
 
-std::vector<session::StreamDemand> other_demands(const BusConfig& bus, std::span<const design::Design* const> streamed) {
+std::vector<session::StreamDemand> other_demands(const BusConfig& bus,
+                                                 std::span<const design::Design* const> streamed) {
   std::vector<session::StreamDemand> demands;
   for (const CoverConfig& cover : bus.covers) {
     if (std::ranges::find(streamed, &cover.design) != streamed.end()) continue;
@@ -140,7 +141,7 @@ std::vector<session::StreamDemand> other_demands(const BusConfig& bus, std::span
 }
 
 session::StreamOptions stream_options(const BusConfig& bus, std::span<const design::Design* const> streamed,
-                                     session::StreamOptions options) {
+                                      session::StreamOptions options) {
   options.neighbours = other_demands(bus, streamed);
   if (options.every == 0) options.every = bus.every;
   return options;

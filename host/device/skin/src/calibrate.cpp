@@ -180,8 +180,8 @@ std::vector<layout::ModuleId> wanted_modules(const design::Design& design, const
   return all;
 }
 
-CalibrationOutcome calibrate_by_steps(session::Bus& bus, const design::Design& design, std::span<const PressureStep> steps,
-                                      const CalibrateOptions& options) {
+CalibrationOutcome calibrate_by_steps(session::Bus& bus, const design::Design& design,
+                                      std::span<const PressureStep> steps, const CalibrateOptions& options) {
   std::vector<double> pressures;
   for (const PressureStep& s : steps) pressures.push_back(s.pressure_kpa);
   std::ranges::sort(pressures);

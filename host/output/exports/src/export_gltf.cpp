@@ -28,7 +28,8 @@ class Buffer {
   int add_points(const std::vector<design::Vec3>& points) {
     json low = json::array(), high = json::array();
     for (int x = 0; x < 3; ++x) {
-      const auto stored = points | std::views::transform([x](const design::Vec3& p) { return static_cast<float>(p[x]); });
+      const auto stored =
+          points | std::views::transform([x](const design::Vec3& p) { return static_cast<float>(p[x]); });
       low.push_back(std::ranges::min(stored));  // The bounds must be those of the stored values, which are rounded.
       high.push_back(std::ranges::max(stored));
     }
@@ -91,8 +92,9 @@ json vector_of(const design::Vec3& v) {
 
 // Adds the outline of a cut module as a flat fan of triangles, in metres and the node frame.
 void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
-  const std::array<design::Vec3, 3> corner_mm{design::Vec3(-design::kSide_mm / 2, -design::kHeight_mm / 3, 0), design::Vec3(design::kSide_mm / 2, -design::kHeight_mm / 3, 0),
-                                      design::Vec3(0, 2 * design::kHeight_mm / 3, 0)};
+  const std::array<design::Vec3, 3> corner_mm{design::Vec3(-design::kSide_mm / 2, -design::kHeight_mm / 3, 0),
+                                              design::Vec3(design::kSide_mm / 2, -design::kHeight_mm / 3, 0),
+                                              design::Vec3(0, 2 * design::kHeight_mm / 3, 0)};
   const design::Outline outline = design::outline_of(corner_mm, corner_cut_mm);
   std::vector<design::Vec3> points;
   for (const design::Vec3& p : outline.points()) points.emplace_back(p * kMetres_per_mm);

@@ -25,8 +25,8 @@ std::string three(const design::Vec3& v) {
 // Returns the plate under the dielectric in the frame of its module, from the plane of the taxels down.
 std::string plate_vertices(double corner_cut_mm) {
   const std::array<design::Vec3, 3> corners{design::Vec3(-design::kSide_mm / 2.0, -design::kHeight_mm / 3.0, 0.0),
-                                    design::Vec3(design::kSide_mm / 2.0, -design::kHeight_mm / 3.0, 0.0),
-                                    design::Vec3(0.0, 2.0 * design::kHeight_mm / 3.0, 0.0)};
+                                            design::Vec3(design::kSide_mm / 2.0, -design::kHeight_mm / 3.0, 0.0),
+                                            design::Vec3(0.0, 2.0 * design::kHeight_mm / 3.0, 0.0)};
   const design::Outline outline = design::outline_of(corners, corner_cut_mm);
   std::string text;
   for (const design::Vec3& p : outline.points()) {

@@ -15,7 +15,8 @@ bool faces_viewer(const design::PlacedModule& m, const View& view) {
   return normal.dot(view.toward()) >= 0.05;
 }
 
-Shape module_shape(const design::PlacedModule& m, double corner_cut_mm, const View& view, const char* style, double above) {
+Shape module_shape(const design::PlacedModule& m, double corner_cut_mm, const View& view, const char* style,
+                   double above) {
   const design::Outline outline = design::outline_of(m.corner_mm, corner_cut_mm);
   const double height = view.height((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
   return {height + above, polygon(view, outline.points(), style)};
@@ -29,7 +30,8 @@ Shape number_shape(const design::PlacedModule& m, int id, const View& view) {
                                                  at.x(), at.y() + 2.5, id)};
 }
 
-void add_modules_now(const design::Design& now, const std::vector<int>& added, const View& view, std::vector<Shape>& shapes) {
+void add_modules_now(const design::Design& now, const std::vector<int>& added, const View& view,
+                     std::vector<Shape>& shapes) {
   for (std::size_t k = 0; k < now.layout.modules.size(); ++k) {
     const design::PlacedModule& m = now.layout.modules[k];
     if (!faces_viewer(m, view)) continue;

@@ -38,7 +38,9 @@ class Sheet {
     }
   }
   [[nodiscard]] const std::array<design::Vec2, 3>& corners(int node) const { return corners_[at(node)]; }
-  [[nodiscard]] design::Vec2 center(int node) const { return (corners(node)[0] + corners(node)[1] + corners(node)[2]) / 3.0; }
+  [[nodiscard]] design::Vec2 center(int node) const {
+    return (corners(node)[0] + corners(node)[1] + corners(node)[2]) / 3.0;
+  }
   [[nodiscard]] design::Vec2 side_middle(int node, int side) const {
     return (corners(node)[at(side)] + corners(node)[at((side + 1) % 3)]) / 2.0;
   }

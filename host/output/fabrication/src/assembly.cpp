@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "solids.hpp"
 #include "triskin/cad/write_step.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/fabrication/flat_island.hpp"
-#include "solids.hpp"
 
 namespace triskin::fabrication {
 namespace {

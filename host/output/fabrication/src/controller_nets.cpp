@@ -7,8 +7,8 @@
 #include <array>
 #include <tuple>
 
-#include "triskin/base/csv_field.hpp"
 #include "module_board.hpp"
+#include "triskin/base/csv_field.hpp"
 
 namespace triskin::fabrication {
 namespace {

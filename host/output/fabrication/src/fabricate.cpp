@@ -7,13 +7,13 @@
 #include <algorithm>
 
 #include "assembly.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/cad/read_part.hpp"
 #include "controller_nets.hpp"
 #include "kicad.hpp"
 #include "parts_list.hpp"
 #include "solids.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/cad/read_part.hpp"
 #include "triskin/sheet/sides.hpp"
 
 namespace triskin::fabrication {

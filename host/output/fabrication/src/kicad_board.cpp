@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "kicad.hpp"
 #include "kicad_text.hpp"
+#include "module_tracks.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/module_side.hpp"
-#include "kicad.hpp"
-#include "module_tracks.hpp"
 
 namespace triskin::fabrication {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <set>
 
-#include "kicad_text.hpp"
 #include "kicad.hpp"
+#include "kicad_text.hpp"
 
 namespace triskin::fabrication {
 namespace {

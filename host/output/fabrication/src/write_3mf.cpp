@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <minizip/zip.h>
 
+#include "solids.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/markup.hpp"
-#include "solids.hpp"
 
 // Follows the 3MF core specification 1.3: an OPC package (zip) of a list of types, one relation and the model.
 namespace triskin::fabrication {

@@ -8,10 +8,10 @@
 #include <functional>
 
 #include "fold_limit.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/lattice/map_modules.hpp"
 #include "net.hpp"
 #include "overlap.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -246,8 +246,8 @@ class ModulePlacer {
 
 }  // namespace
 
-std::vector<BrokenLimit> add_module(const mesh::Surface& surface, const LayoutLimits& limits, const mesh::SurfaceRegions* regions,
-                                    ModuleLayout& layout, int id, int side) {
+std::vector<BrokenLimit> add_module(const mesh::Surface& surface, const LayoutLimits& limits,
+                                    const mesh::SurfaceRegions* regions, ModuleLayout& layout, int id, int side) {
   const ModulePlacer placer(surface, limits, regions, layout, id, side);
   Judged best = placer.best();
   if (best.broken.empty()) {

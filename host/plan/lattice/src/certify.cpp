@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "keep_limits.hpp"
-#include "triskin/base/parallel.hpp"
 #include "kept_modules.hpp"
+#include "triskin/base/parallel.hpp"
 #include "worst_places.hpp"
 
 namespace triskin::lattice {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "canonical.hpp"
+#include "net.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/lattice/map_modules.hpp"
-#include "net.hpp"
 
 namespace triskin::lattice {
 

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "place_value.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "grower.hpp"
 #include "layout_front.hpp"
 #include "net_price.hpp"
+#include "place_value.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
 #include "zones.hpp"
 
 namespace triskin::lattice {

@@ -9,19 +9,18 @@
 #include <memory>
 #include <optional>
 
+#include "canonical.hpp"
 #include "certify.hpp"
 #include "chain.hpp"
+#include "kept_modules.hpp"
 #include "team.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
 #include "triskin/design/outline.hpp"
-#include "canonical.hpp"
-#include "kept_modules.hpp"
 #include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::lattice {
 namespace {
-
 
 constexpr int kStepsARound = 64;      // Each chain takes this many steps between two reports.
 constexpr int kRoundsAnExchange = 2;  // The chains exchange their best layout after this many rounds.
@@ -200,8 +199,8 @@ std::vector<ModuleLayout> grow_front(const mesh::Surface& original, const Layout
   return layouts;
 }
 
-ModuleLayout grow_lattice(const mesh::Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
-                          const ProgressSink& progress) {
+ModuleLayout grow_lattice(const mesh::Surface& surface, const LayoutLimits& limits,
+                          const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   SurfaceLatticeOptions one = options;
   one.front = false;
   return std::move(grow_front(surface, limits, one, progress).front());

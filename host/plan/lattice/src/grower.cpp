@@ -48,8 +48,8 @@ std::vector<Sample> spread_samples(const mesh::Surface& surface, double area_eac
   return samples;
 }
 
-Grower::Grower(const mesh::Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
-               Clock::time_point end, std::function<Clock::time_point()> now)
+Grower::Grower(const mesh::Surface& surface, const Rules& rules, const std::vector<Sample>& samples,
+               double corner_lift_mm, Clock::time_point end, std::function<Clock::time_point()> now)
     : surface_(surface),
       rules_(rules),
       samples_(samples),

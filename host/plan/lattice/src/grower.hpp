@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "triskin/base/dice.hpp"
-#include "triskin/base/interrupt.hpp"
 #include "net.hpp"
 #include "relax.hpp"
 #include "rules.hpp"
+#include "triskin/base/dice.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "zones.hpp"
 
 namespace triskin::lattice {
@@ -19,7 +19,8 @@ namespace triskin::lattice {
 struct Sample {
   Vec3 point, normal;
 };
-[[nodiscard]] std::vector<Sample> spread_samples(const mesh::Surface& surface, double area_each_mm2, std::uint64_t seed);
+[[nodiscard]] std::vector<Sample> spread_samples(const mesh::Surface& surface, double area_each_mm2,
+                                                 std::uint64_t seed);
 
 /// In one try to place a module the net within `radius_mm` of it is relaxed, in so many steps.
 struct RelaxTry {

@@ -136,7 +136,8 @@ void keep_limits(const mesh::Surface& surface, const LayoutLimits& limits, Modul
   keep_limits_as_measured(surface, limits, layout);
 }
 
-void measure_modules(const mesh::Surface& surface, ModuleLayout& layout, std::size_t first, const mesh::SurfaceRegions* regions) {
+void measure_modules(const mesh::Surface& surface, ModuleLayout& layout, std::size_t first,
+                     const mesh::SurfaceRegions* regions) {
   tbb::parallel_for(first, layout.modules.size(), [&](std::size_t k) {
     measure_on_surface(surface, layout.modules[k], layout.corner_cut_mm, regions);
   });

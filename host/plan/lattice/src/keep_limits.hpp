@@ -9,7 +9,8 @@
 namespace triskin::lattice {
 
 /// Runs measure_on_surface() for the modules from `first` on, on all processors.
-void measure_modules(const mesh::Surface& surface, ModuleLayout& layout, std::size_t first, const mesh::SurfaceRegions* regions);
+void measure_modules(const mesh::Surface& surface, ModuleLayout& layout, std::size_t first,
+                     const mesh::SurfaceRegions* regions);
 
 /// Returns true if the surface nearest to a module's middle faces another way: a rib, or the other side of a thin wall.
 /// The module would be measured against that. Cost: one closest point.

@@ -127,7 +127,8 @@ class PieceMap {
 
 class Mapper {
  public:
-  Mapper(const mesh::Surface& surface, const LayoutLimits& limits, double corner_cut_mm, const mesh::SurfaceRegions* regions)
+  Mapper(const mesh::Surface& surface, const LayoutLimits& limits, double corner_cut_mm,
+         const mesh::SurfaceRegions* regions)
       : surface_(surface), limits_(limits), regions_(regions), overhang_mm_(design::cut_height_mm(corner_cut_mm)) {
     layout_.method = LayoutMethod::kPieces;
     layout_.corner_cut_mm = corner_cut_mm;
@@ -220,8 +221,9 @@ class Mapper {
 
 }  // namespace
 
-ModuleLayout map_modules(const mesh::Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits,
-                         double corner_cut_mm, const mesh::SurfaceRegions* regions, const std::function<bool()>& give_up) {
+ModuleLayout map_modules(const mesh::Surface& surface, const std::vector<TiledPiece>& pieces,
+                         const LayoutLimits& limits, double corner_cut_mm, const mesh::SurfaceRegions* regions,
+                         const std::function<bool()>& give_up) {
   return Mapper(surface, limits, corner_cut_mm, regions).run(pieces, give_up);
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "net.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::lattice {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "net.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::lattice {
 namespace {

@@ -14,7 +14,8 @@ struct Overrun {
 };
 
 /// Returns the overrun of a line over the border, or `known_mm` if none is larger. A larger `known_mm` is faster.
-[[nodiscard]] Overrun overrun_of_line(const mesh::Surface& surface, const Vec3& from, const Vec3& to, double known_mm = 0.0);
+[[nodiscard]] Overrun overrun_of_line(const mesh::Surface& surface, const Vec3& from, const Vec3& to,
+                                      double known_mm = 0.0);
 /// Returns the overrun of a module, sides and area. Takes some hundred points if the border is near, also if the border
 /// of another sheet runs along the surface under the module, as that of a rib that ends at the skin.
 [[nodiscard]] Overrun overrun_of(const mesh::Surface& surface, const design::Outline& outline);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "triskin/design/design_types.hpp"
 #include "buckets.hpp"
+#include "triskin/design/design_types.hpp"
 
 namespace triskin::lattice {
 

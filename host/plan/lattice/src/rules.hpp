@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
-#include "triskin/design/design_types.hpp"
 #include "near_surface.hpp"
 #include "net.hpp"
 #include "overlap.hpp"
+#include "triskin/design/design_types.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::lattice {

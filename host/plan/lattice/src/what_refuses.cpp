@@ -7,12 +7,11 @@
 #include <numbers>
 #include <vector>
 
-#include "triskin/design/tile.hpp"
 #include "grower.hpp"
+#include "triskin/design/tile.hpp"
 
 namespace triskin::lattice {
 namespace {
-
 
 constexpr int kPlaces = 8;
 constexpr int kDirections = 12;

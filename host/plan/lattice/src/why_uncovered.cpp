@@ -4,14 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "grower.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
-#include "grower.hpp"
 #include "triskin/mesh/surface_regions.hpp"
 
 namespace triskin::lattice {
 namespace {
-
 
 constexpr int kTurns = 24;  // A module is its own image after 120°, so we try 24 turns within that angle.
 constexpr std::array kOffsets_mm{0.0, 5.0, 9.0, 13.0};
@@ -19,8 +18,8 @@ constexpr int kWays = 12;
 
 }  // namespace
 
-std::string why_uncovered(const mesh::Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
-                          const Vec3& place_mm, double within_mm) {
+std::string why_uncovered(const mesh::Surface& surface, const LayoutLimits& limits,
+                          const SurfaceLatticeOptions& options, const Vec3& place_mm, double within_mm) {
   const std::vector<Vec3> none;
   const Rules rules(surface, limits, options.regions == nullptr ? none : options.regions->free_points());
   const std::vector<Sample> no_samples;
@@ -37,7 +36,8 @@ std::string why_uncovered(const mesh::Surface& surface, const LayoutLimits& limi
               center + around(2.0 * M_PI * (k + turn / static_cast<double>(kTurns)) / 3.0, 2.0 * kHeight_mm / 3.0);
         LatticeMesh net(surface.mesh().vertices, options.corner_cut_mm);
         if (!grower.try_seed(net, corners)) continue;
-        if (mesh::distance_beside(net.triangles()[0].rigid, options.corner_cut_mm, place_mm) <= within_mm) return "room";
+        if (mesh::distance_beside(net.triangles()[0].rigid, options.corner_cut_mm, place_mm) <= within_mm)
+          return "room";
         ++grower.refused[static_cast<std::size_t>(Refusal::kOverrun)];  // The border pushed the module away.
       }
     }

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "fold_limit.hpp"
-#include "triskin/base/index.hpp"
 #include "overlap.hpp"
 #include "point_grid.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::lattice {
 namespace {
@@ -73,8 +73,8 @@ std::vector<WorstModule> piercing(const ModuleLayout& layout, double allowed_mm,
   std::vector<WorstModule> found;
   for (std::size_t b = 0; b < centers.size(); ++b) {
     const auto meets = [&](int a) {
-      return lattice::pierced(layout.modules[at(a)].corner_mm, layout.modules[b].corner_mm,
-                                      layout.corner_cut_mm, allowed_mm);
+      return lattice::pierced(layout.modules[at(a)].corner_mm, layout.modules[b].corner_mm, layout.corner_cut_mm,
+                              allowed_mm);
     };
     if (b >= kept && grid.any_near(centers[b], kNear_mm, meets))
       found.push_back({static_cast<int>(b), kPierced});

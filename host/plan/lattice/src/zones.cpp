@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "overlap.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::lattice {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "triskin/base/dice.hpp"
 #include "net.hpp"
+#include "triskin/base/dice.hpp"
 
 namespace triskin::lattice {
 

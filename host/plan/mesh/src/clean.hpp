@@ -14,7 +14,8 @@ namespace triskin::mesh {
 enum class Corners { kWelded, kKept };
 
 /// Welds vertices at the same place (on a grid of 1e-7 of the size), drops faces without area, double faces and unused
-/// vertices, and joins seams and T-junctions within 2e-7 of the size, as reading a file does. Adds what it did to the report. Cost: O(n log n).
+/// vertices, and joins seams and T-junctions within 2e-7 of the size, as reading a file does. Adds what it did to the
+/// report. Cost: O(n log n).
 void clean(Mesh& mesh, MeshReadReport& report, Corners corners = Corners::kWelded);
 
 /// Writes a mesh as bytes for the answer of run_isolated(); mesh_of() reads them back. No file has this format.

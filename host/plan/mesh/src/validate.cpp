@@ -5,11 +5,11 @@
 #include <optional>
 #include <span>
 
+#include "crossing_search.hpp"
 #include "edge_sides.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
-#include "crossing_search.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/extract_steps.hpp"
 

@@ -32,8 +32,7 @@ struct WiredLayout {
 /// Does the same for each of several layouts. The first is always priced; others that are not begun when
 /// routing.give_up() returns true are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not
 /// depend on their number.
-[[nodiscard]] std::vector<WiredLayout> priced(const mesh::Surface& surface,
-                                              std::vector<design::ModuleLayout> layouts,
+[[nodiscard]] std::vector<WiredLayout> priced(const mesh::Surface& surface, std::vector<design::ModuleLayout> layouts,
                                               const design::LayoutLimits& limits,
                                               const routing::RoutingOptions& routing,
                                               const mesh::SurfaceRegions* regions, int threads);

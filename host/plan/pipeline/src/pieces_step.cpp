@@ -36,7 +36,7 @@ unfolding::Net pieces_of(const DesignInWork& work, const mesh::Surface& surface,
 }
 
 placement::PlacementResult placed_on(const DesignInWork& work, const design::Piece& piece, double area_mm2,
-                                    double time_limit_s) {
+                                     double time_limit_s) {
   placement::PlacementOptions options;
   options.seed = work.options.seed;
   options.corner_cut_mm = work.options.corner_cut_mm;
@@ -71,13 +71,13 @@ std::vector<lattice::TiledPiece> place_pieces(DesignInWork& work, const unfoldin
 
 // The modules of the pieces keep the limits on the original.
 design::ModuleLayout mapped_layout(const DesignInWork& work, const SearchedSurface& searched,
-                                   const std::vector<lattice::TiledPiece>& placed,
-                                   const mesh::SurfaceRegions* regions, double end_s) {
+                                   const std::vector<lattice::TiledPiece>& placed, const mesh::SurfaceRegions* regions,
+                                   double end_s) {
   const design::LayoutLimits& limits = work.options.limits;
   const mesh::DecimatedMesh* const solver = searched.solver();
-  design::ModuleLayout layout = lattice::map_modules(searched.surface(), placed,
-                                                      solver == nullptr ? limits : mesh::limits_on(*solver, limits),
-                                                      work.options.corner_cut_mm, regions, work.deadline(end_s));
+  design::ModuleLayout layout =
+      lattice::map_modules(searched.surface(), placed, solver == nullptr ? limits : mesh::limits_on(*solver, limits),
+                           work.options.corner_cut_mm, regions, work.deadline(end_s));
   if (solver != nullptr) lattice::keep_limits(searched.original(), limits, layout, regions);
   return layout;
 }
@@ -91,8 +91,8 @@ bool are_pieces_tried(DesignInWork& work, const mesh::Surface& surface) {
   return work.notes.curvature_rad <= kMaxCurvature_rad;
 }
 
-WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched,
-                             const mesh::SurfaceRegions* regions, double end_s) {
+WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched, const mesh::SurfaceRegions* regions,
+                             double end_s) {
   const double begin_s = work.budget.used_s();
   const auto at_share = [&](double share) { return begin_s + share * (end_s - begin_s); };
   const unfolding::Net net = pieces_of(work, searched.surface(), at_share(kUnfoldingEnd));

@@ -50,8 +50,8 @@ design::Regions resolve_regions(const std::filesystem::path& mesh, std::optional
   for (const design::WantedRegion& w : wanted.regions) {
     regions.list.push_back(w.region);
     if (auto* obstacle = std::get_if<design::Obstacle>(&regions.list.back().shape))
-      obstacle->mesh = w.file.empty() ? mesh::read_body(mesh, unit, w.object)
-                                      : mesh::read_body(w.file, std::nullopt, w.object);
+      obstacle->mesh =
+          w.file.empty() ? mesh::read_body(mesh, unit, w.object) : mesh::read_body(w.file, std::nullopt, w.object);
     auto* set = std::get_if<design::FaceSet>(&regions.list.back().shape);
     if (set == nullptr) continue;
     const auto refuse = [&](const std::string& what) -> void {

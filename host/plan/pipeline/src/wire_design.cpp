@@ -64,8 +64,7 @@ void report_regions(design::Design& design, const mesh::Surface& surface, const 
 
 }  // namespace
 
-std::unique_ptr<const mesh::SurfaceRegions> regions_of(const mesh::Surface& surface,
-                                                           const design::Design& design) {
+std::unique_ptr<const mesh::SurfaceRegions> regions_of(const mesh::Surface& surface, const design::Design& design) {
   if (design.regions.empty()) return nullptr;
   return std::make_unique<const mesh::SurfaceRegions>(surface, design.regions);
 }
@@ -99,7 +98,7 @@ void wire(design::Design& design, const mesh::Surface& surface, const mesh::Surf
   design.layout.jumpers.clear();
   const design::ModuleGraph graph = wired_graph(design.layout, regions);
   routing::RoutingResult routes = kept == nullptr ? routing::route(graph, places, routing, progress)
-                                                   : routing::route_around(graph, places, *kept, routing, progress);
+                                                  : routing::route_around(graph, places, *kept, routing, progress);
   design.layout.jumpers = std::move(routes.jumpers);
   design.patches = std::move(routes.patches);
   state_taken(design);

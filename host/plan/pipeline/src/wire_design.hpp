@@ -18,12 +18,11 @@ namespace triskin::pipeline {
 /// Returns the regions of a design on its surface, to which they refer; null without regions. Cost: linear in the
 /// faces.
 [[nodiscard]] std::unique_ptr<const mesh::SurfaceRegions> regions_of(const mesh::Surface& surface,
-                                                                         const design::Design& design);
+                                                                     const design::Design& design);
 
 /// Returns the graph for the wiring: that of the layout, but with borders only at sides where `regions` lets a cable
 /// enter; null sets no limit. Cost: one closest point for each free side if entries are limited.
-[[nodiscard]] design::ModuleGraph wired_graph(const design::ModuleLayout& layout,
-                                              const mesh::SurfaceRegions* regions);
+[[nodiscard]] design::ModuleGraph wired_graph(const design::ModuleLayout& layout, const mesh::SurfaceRegions* regions);
 
 /// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id;
 /// the alternative that is taken states what they cost. `regions` of the surface may be null; `division` is that of

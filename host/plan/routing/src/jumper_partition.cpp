@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 
-#include "jumper_search.hpp"
-#include "partition.hpp"
 #include "island_groups.hpp"
 #include "jumper_frontier.hpp"
+#include "jumper_search.hpp"
+#include "partition.hpp"
 
 namespace triskin::routing {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "triskin/base/dice.hpp"
 #include "jumper_graph.hpp"
+#include "triskin/base/dice.hpp"
 
 namespace triskin::routing {
 

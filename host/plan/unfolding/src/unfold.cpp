@@ -68,7 +68,8 @@ class Unfolder {
       for (auto& part : divide(faces)) open.push_back(std::move(part));
     }
     merge_pieces(cut_, net_.pieces, [this](const Faces& faces) { return try_piece(faces); }, progress_);
-    std::ranges::stable_sort(net_.pieces, std::greater<>(), [](const Piece& p) { return placement::polygon_area(p.outline); });
+    std::ranges::stable_sort(net_.pieces, std::greater<>(),
+                             [](const Piece& p) { return placement::polygon_area(p.outline); });
     return std::move(net_);
   }
 
@@ -152,7 +153,8 @@ class Unfolder {
     }
     // The tolerance with which readers accept touching edges is too wide here: such edges mean that two pieces of
     // surface cross.
-    return !placement::crosses_itself(piece.outline) && std::abs(placement::polygon_area(piece.outline) - area) <= 1e-6 * area;
+    return !placement::crosses_itself(piece.outline) &&
+           std::abs(placement::polygon_area(piece.outline) - area) <= 1e-6 * area;
   }
 
   // Finds two faces far apart over the dual graph, then assigns each face (with those it must stay joined to) to the

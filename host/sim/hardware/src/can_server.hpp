@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/link/can_socket.hpp"
 #include "triskin/hardware/skin_server.hpp"
+#include "triskin/link/can_socket.hpp"
 
 namespace triskin::hardware {
 

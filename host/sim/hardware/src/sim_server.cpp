@@ -14,8 +14,8 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/core/bytes.hpp"
-#include "triskin/layout/patch_image.hpp"
 #include "triskin/hardware/listener.hpp"
+#include "triskin/layout/patch_image.hpp"
 
 namespace triskin::hardware {
 namespace {

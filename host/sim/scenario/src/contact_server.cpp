@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
-#include "triskin/scenario/contact_stream.hpp"
 #include "triskin/hardware/listener.hpp"
+#include "triskin/scenario/contact_stream.hpp"
 
 namespace triskin::scenario {
 namespace {

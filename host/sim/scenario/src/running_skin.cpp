@@ -22,7 +22,8 @@ constexpr std::uint64_t kSettle_us = 1'500'000, kRest_us = 500'000;
 hardware::Scene untouched(hardware::Scene scene) {
   scene.contacts.clear();
   scene.pressure = {};
-  std::erase_if(scene.faults, [](const hardware::Fault& f) { return f.from_us != 0 || f.until_us != hardware::kForever; });
+  std::erase_if(scene.faults,
+                [](const hardware::Fault& f) { return f.from_us != 0 || f.until_us != hardware::kForever; });
   return scene;
 }
 
@@ -89,15 +90,16 @@ struct RunningSkin::Bench {
   std::unique_ptr<session::Stream> stream;
 };
 
-RunningSkin::RunningSkin(hardware::Scene scene, OnSample on_sample, OnFrame on_frame) : bench_(std::make_unique<Bench>()) {
+RunningSkin::RunningSkin(hardware::Scene scene, OnSample on_sample, OnFrame on_frame)
+    : bench_(std::make_unique<Bench>()) {
   scene.board_seed.reset();  // The boards get the patches in the order of their serial numbers.
   rest_ = prepare(scene, bench_->folder.path());
   bench_->link = std::make_unique<TappedLink>(std::move(scene), bench_->folder.path(), std::move(on_frame));
   bench_->bus = std::make_unique<session::Bus>(*bench_->link);
   bench_->stream = std::make_unique<session::Stream>(*bench_->bus, hardware().scene().design,
-                                                    [handler = std::move(on_sample)](const session::ModuleSample& s) {
-                                                      if (handler) handler(s);
-                                                    });
+                                                     [handler = std::move(on_sample)](const session::ModuleSample& s) {
+                                                       if (handler) handler(s);
+                                                     });
 }
 
 RunningSkin::~RunningSkin() = default;

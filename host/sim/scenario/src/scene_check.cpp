@@ -253,8 +253,7 @@ SceneCheck check_scene(hardware::Scene scene, const ProgressSink& progress) {
 SceneCheck check_buses(std::vector<hardware::JointScene> buses, const std::vector<Expectation>& expectations,
                        const ProgressSink& progress) {
   if (expectations.empty())
-    throw InputError(
-        "the scene expects nothing; say what the skin should report with \"expect\" (docs/simulation.md)");
+    throw InputError("the scene expects nothing; say what the skin should report with \"expect\" (docs/simulation.md)");
   SkinReports skin(buses);
   std::deque<Watch> watches;
   std::uint64_t end_us = 0;

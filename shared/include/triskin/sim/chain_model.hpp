@@ -7,8 +7,9 @@
 
 namespace triskin::sim {
 
-/// The model is the scan chain of switched modules as its master sees it. The virtual hardware (host/sim/hardware) implements
-/// it, and board/posix drives it. The constants are the times that the real chain needs; the caller must let them pass.
+/// The model is the scan chain of switched modules as its master sees it. The virtual hardware (host/sim/hardware)
+/// implements it, and board/posix drives it. The constants are the times that the real chain needs; the caller must let
+/// them pass.
 class ChainModel {
  public:
   static constexpr std::uint32_t kBit_ns = 500;  ///< The chain is clocked at 2 MHz.

@@ -4,9 +4,9 @@
 
 namespace triskin::sim {
 
-/// The interface is one I²C line as its master sees it, byte by byte (UM10204). The virtual hardware (host/sim/hardware)
-/// implements it; board/posix and the modelled machine drive it. `now_us` is the virtual time at the end of an
-/// operation and never decreases. A stuck line answers no start; `scl` and `sda` give its levels.
+/// The interface is one I²C line as its master sees it, byte by byte (UM10204). The virtual hardware
+/// (host/sim/hardware) implements it; board/posix and the modelled machine drive it. `now_us` is the virtual time at
+/// the end of an operation and never decreases. A stuck line answers no start; `scl` and `sda` give its levels.
 class I2cBus {
  public:
   virtual ~I2cBus() = default;

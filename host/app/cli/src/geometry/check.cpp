@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "triskin/base/counted.hpp"
-#include "triskin/check/design_rules.hpp"
 #include "bus_report.hpp"
 #include "command.hpp"
+#include "triskin/base/counted.hpp"
+#include "triskin/check/design_rules.hpp"
 
 namespace triskin::cli::check_command {
 namespace {

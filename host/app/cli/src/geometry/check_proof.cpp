@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/check/placement_proof.hpp"
-#include "command.hpp"
 
 namespace triskin::cli::check_proof_command {
 namespace {

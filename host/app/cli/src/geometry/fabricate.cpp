@@ -5,10 +5,10 @@
 
 #include <memory>
 
+#include "command.hpp"
 #include "number_list.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
-#include "command.hpp"
 
 namespace triskin::cli::fabricate_command {
 namespace {

@@ -34,8 +34,7 @@ std::string points_text(const Points& points, const Vec2& shift) {
   return text;
 }
 
-std::string piece_svg(const mesh::Surface& surface, const design::Piece& piece, const Vec2& shift,
-                      double limit_mm) {
+std::string piece_svg(const mesh::Surface& surface, const design::Piece& piece, const Vec2& shift, double limit_mm) {
   std::string out;
   for (std::size_t k = 0; k < piece.flat.size(); ++k) {
     const double share = std::min(1.0, error_of(surface, piece.faces[k], piece.flat[k]) / limit_mm);

@@ -2,8 +2,8 @@
 #pragma once
 #include <fmt/format.h>
 
-#include "triskin/base/counted.hpp"
 #include "command.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::cli {

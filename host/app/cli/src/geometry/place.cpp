@@ -7,11 +7,11 @@
 #include <memory>
 #include <set>
 
+#include "command.hpp"
 #include "corner_cut_option.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "command.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
@@ -161,7 +161,7 @@ nlohmann::json total_of(const nlohmann::json& pieces) {
 
 // The remaining pieces share the remaining time.
 placement::PlacementResult place_piece(const design::Polygon& polygon, const Options& options, std::size_t pieces_left,
-                                      std::chrono::steady_clock::time_point start, const Output& output) {
+                                       std::chrono::steady_clock::time_point start, const Output& output) {
   placement::PlacementOptions placement = options.placement;
   if (placement.time_limit_s > 0.0) {
     const double used_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -253,8 +253,8 @@ void add_modules(CLI::App& app, Options& options) {
   app.add_option("--tolerance-mm", options.placement.tolerance_mm, "a module may stand over by this much")
       ->capture_default_str();
   static const std::map<std::string, placement::TileShape> kShapes{{"triangle", placement::TileShape::kTriangle},
-                                                                  {"square", placement::TileShape::kSquare},
-                                                                  {"hexagon", placement::TileShape::kHexagon}};
+                                                                   {"square", placement::TileShape::kSquare},
+                                                                   {"hexagon", placement::TileShape::kHexagon}};
   app.add_option("--shape", options.placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
       ->transform(one_of(kShapes));
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")

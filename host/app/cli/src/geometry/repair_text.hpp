@@ -61,11 +61,12 @@ namespace triskin::cli {
   const mesh::DroppedPart& largest = *std::ranges::max_element(r.dropped, {}, &mesh::DroppedPart::area_mm2);
   double others_mm2 = -largest.area_mm2;
   for (const mesh::DroppedPart& part : r.dropped) others_mm2 += part.area_mm2;
-  std::string text = fmt::format("not in the surface: a part of {:.2f} cm² near ({:.1f}, {:.1f}, {:.1f}) mm",
-                                 largest.area_mm2 / 100.0, largest.where_mm.x(), largest.where_mm.y(),
-                                 largest.where_mm.z());
+  std::string text =
+      fmt::format("not in the surface: a part of {:.2f} cm² near ({:.1f}, {:.1f}, {:.1f}) mm", largest.area_mm2 / 100.0,
+                  largest.where_mm.x(), largest.where_mm.y(), largest.where_mm.z());
   if (r.dropped.size() > 1)
-    text += fmt::format(" and {} of {:.2f} cm² in all", counted(r.dropped.size() - 1, "smaller one"), others_mm2 / 100.0);
+    text +=
+        fmt::format(" and {} of {:.2f} cm² in all", counted(r.dropped.size() - 1, "smaller one"), others_mm2 / 100.0);
   return text + " (dropped in the --json output)";
 }
 

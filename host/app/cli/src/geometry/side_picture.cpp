@@ -13,10 +13,10 @@ namespace triskin::cli {
 namespace {
 
 using design::FaceIndex;
-using mesh::FaceSide;
 using design::Mesh;
-using mesh::SideChoice;
 using design::Vec3;
+using mesh::FaceSide;
+using mesh::SideChoice;
 
 constexpr int kView_px = 420;
 constexpr double kFill = 0.47;     // The part's farthest corner lies at this fraction of a view from its middle.

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <memory>
 
+#include "command.hpp"
+#include "face_options.hpp"
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
 #include "part_text.hpp"
 #include "read_text.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
-#include "command.hpp"
-#include "face_options.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/unfolding/bend_seams.hpp"
 #include "triskin/unfolding/unfolding.hpp"
@@ -54,7 +54,7 @@ json net_json(const unfolding::Net& net) {
 }
 
 std::vector<unfolding::SurfaceEdge> edges_of(const std::string& file, const mesh::Surface& surface,
-                                            const Options& options, Output& output) {
+                                             const Options& options, Output& output) {
   std::vector<std::string> notes;
   const unfolding::SeamLines lines = unfolding::read_seams(file, options.unit.unit, &notes);
   for (const std::string& note : notes) output.say(note);

@@ -120,7 +120,8 @@ SideChoice find_sides(const Mesh& mesh, const SideOptions& options) {
     throw InputError("side: the wall's least thickness must be over 0 mm and under its largest");
   const RayCaster part(mesh, options.threads);
   const auto neighbours = neighbours_of(mesh);
-  if (!options.is_asked() && has_border(neighbours) && walled_fraction_of_few(part, options) < kMinWalledOpen) return one_side(mesh);
+  if (!options.is_asked() && has_border(neighbours) && walled_fraction_of_few(part, options) < kMinWalledOpen)
+    return one_side(mesh);
   const std::vector<WallSample> samples = wall_samples(part, options);
   SmoothRegions regions = smooth_regions(part, neighbours, samples);
   const SideEvidence evidence = side_evidence(part, neighbours, regions, samples, options);

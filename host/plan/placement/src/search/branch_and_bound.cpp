@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <map>
 
+#include "kernels/evaluator.hpp"
 #include "search/scans.hpp"
 #include "search/slices.hpp"
-#include "kernels/evaluator.hpp"
 
 namespace triskin::placement {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
+#include "kernels/tile_polygon.hpp"
 #include "search/cell_expander.hpp"
 #include "triskin/base/progress.hpp"
-#include "kernels/tile_polygon.hpp"
 #include "triskin/placement/placement.hpp"
 
 namespace triskin::placement {

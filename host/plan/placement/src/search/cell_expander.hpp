@@ -6,11 +6,11 @@
 
 #include "kernels/contraction.hpp"
 #include "kernels/edge_grid.hpp"
-#include "search/cell_parts.hpp"
-#include "search/conflict_bound.hpp"
 #include "kernels/evaluator.hpp"
 #include "kernels/slice_raster.hpp"
 #include "search/cell_list.hpp"
+#include "search/cell_parts.hpp"
+#include "search/conflict_bound.hpp"
 
 namespace triskin::placement {
 

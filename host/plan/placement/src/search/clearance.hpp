@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "triskin/base/progress.hpp"
 #include "kernels/pair_kernel.hpp"
 #include "kernels/tile_polygon.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::placement {
 

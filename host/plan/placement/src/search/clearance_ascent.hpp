@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "kernels/edge_grid.hpp"
-#include "kernels/small_linear_program.hpp"
 #include "kernels/evaluator.hpp"
 #include "kernels/pair_kernel.hpp"
+#include "kernels/small_linear_program.hpp"
 
 namespace triskin::placement {
 

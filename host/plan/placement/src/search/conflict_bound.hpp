@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "search/joint_program.hpp"
 #include "kernels/pair_kernel.hpp"
 #include "search/cell_list.hpp"
+#include "search/joint_program.hpp"
 
 namespace triskin::placement {
 

@@ -9,9 +9,9 @@
 
 #include "kernels/contraction.hpp"
 #include "kernels/edge_grid.hpp"
+#include "kernels/evaluator.hpp"
 #include "search/cell_parts.hpp"
 #include "search/slices.hpp"
-#include "kernels/evaluator.hpp"
 
 namespace triskin::placement {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "triskin/base/progress.hpp"
 #include "kernels/slice_raster.hpp"
 #include "search/cell_list.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::placement {
 

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "kernels/connected_tiles.hpp"
+#include "kernels/evaluator.hpp"
 #include "kernels/exact_recheck.hpp"
 #include "kernels/weighted_tiles.hpp"
 #include "search/branch_and_bound.hpp"
@@ -12,7 +13,6 @@
 #include "search/scans.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
-#include "kernels/evaluator.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
 

@@ -47,8 +47,8 @@ struct KindPlan {
 /// Returns the number of the kind with this name; nullopt when the plan lacks it. Cost: one comparison per kind.
 [[nodiscard]] std::optional<int> number_of_kind(const KindPlan& plan, std::string_view name);
 
-/// Reads a file of kinds (docs/pipeline.md). Errors: InputError naming file and key for a file that cannot be read, no or
-/// too many kinds, a name that occurs twice, is empty or "standard", values out of range, and a region of an unknown
+/// Reads a file of kinds (docs/pipeline.md). Errors: InputError naming file and key for a file that cannot be read, no
+/// or too many kinds, a name that occurs twice, is empty or "standard", values out of range, and a region of an unknown
 /// kind. Cost: linear.
 [[nodiscard]] KindPlan read_kind_plan(const std::filesystem::path& path);
 /// Reads the members "kinds" and "regions" of `v`, which a kinds file and a design file have in common. Errors as

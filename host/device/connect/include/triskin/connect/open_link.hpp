@@ -6,9 +6,9 @@
 #include <string>
 
 #include "triskin/design/design.hpp"
+#include "triskin/hardware/scene.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/link/link_kind.hpp"
-#include "triskin/hardware/scene.hpp"
 
 namespace triskin::connect {
 
@@ -34,7 +34,7 @@ void settle_link(LinkOptions& options, bool simulates);
 /// Simulates `scene` behind a link that is_in_process(). `folder` stores the flash of its controllers; if it is empty,
 /// memory does. Throws as hardware::VirtualSkin does.
 [[nodiscard]] std::unique_ptr<link::Link> simulate_here(const std::string& link, hardware::Scene scene,
-                                                  const std::filesystem::path& folder);
+                                                        const std::filesystem::path& folder);
 
 /// Throws InputError if no link is named; the message lists the devices attached to this computer.
 void require_link(const LinkOptions& options);

@@ -37,7 +37,8 @@ struct BoardBackup {
 /// Reads every controller on the link whose address is not shared, without writing anything. Controllers without a
 /// table that share their address hold nothing and are only reported. Throws DeviceError when no controller answers, or
 /// when one with a table shares its address and so cannot be read; and as Bus::request does.
-[[nodiscard]] std::vector<BoardBackup> save_boards(session::Bus& bus, const std::function<void(const std::string&)>& say);
+[[nodiscard]] std::vector<BoardBackup> save_boards(session::Bus& bus,
+                                                   const std::function<void(const std::string&)>& say);
 
 /// Formats a backup file. It contains a CRC over all boards and the CRC of each table.
 [[nodiscard]] std::string backup_text(std::span<const BoardBackup> boards);
@@ -49,7 +50,8 @@ struct RestoreOptions {
   bool dry_run = false;  ///< Everything is checked, but nothing is written.
   /// The data of the controller with the first serial number are written to the second one.
   std::map<std::string, std::string> onto;
-  int per_wire = session::kTasksPerWire;  ///< This many controllers, at least 1, are served at the same time on one wire.
+  int per_wire =
+      session::kTasksPerWire;  ///< This many controllers, at least 1, are served at the same time on one wire.
 };
 struct RestoredBoard {
   std::string serial;     ///< The controller with this serial number now has the data.
@@ -72,6 +74,7 @@ struct RestoredBoard {
 /// number, layout version) as the saved ones, and that no two get the same address or that of a controller outside the
 /// file. Each controller has either its complete old table or its complete new one. Throws InputError for a file that
 /// does not fit, and DeviceError when a controller does not answer or refuses; both say what was written.
-std::vector<RestoredBoard> restore_boards(session::Bus& bus, std::span<const BoardBackup> boards, const RestoreOptions& options);
+std::vector<RestoredBoard> restore_boards(session::Bus& bus, std::span<const BoardBackup> boards,
+                                          const RestoreOptions& options);
 
 }  // namespace triskin::deploy

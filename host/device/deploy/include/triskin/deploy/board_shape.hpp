@@ -91,6 +91,7 @@ struct ShapeAssignment {
 /// downwards, so that each can be asked; with `tables` also those with a table. Other controllers are not touched.
 /// Returns the controllers that are present afterwards. Throws DeviceError when there are too few addresses or one is
 /// not accepted.
-[[nodiscard]] std::vector<wire::NodeClaim> put_apart(session::Bus& bus, std::vector<wire::NodeClaim> claims, bool tables);
+[[nodiscard]] std::vector<wire::NodeClaim> put_apart(session::Bus& bus, std::vector<wire::NodeClaim> claims,
+                                                     bool tables);
 
 }  // namespace triskin::deploy

@@ -18,9 +18,9 @@
 namespace triskin::deploy {
 
 struct FlashOptions {
-  bool dry_run = false;  ///< Nothing is written; the result says what would change.
-  bool force = false;    ///< Tables are written even if they are equal.
-  session::RouteChoice route;     ///< The patch of this failure gets the tree that the design prepared for it.
+  bool dry_run = false;        ///< Nothing is written; the result says what would change.
+  bool force = false;          ///< Tables are written even if they are equal.
+  session::RouteChoice route;  ///< The patch of this failure gets the tree that the design prepared for it.
   /// The electrodes are on the converters' positive input (docs/silicon.md), so the controllers invert the results.
   bool positive_input = false;
   /// This many conversations run at once on one wire: while one board erases its page, others receive their bytes. With

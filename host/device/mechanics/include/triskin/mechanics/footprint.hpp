@@ -10,10 +10,10 @@ namespace triskin::mechanics {
 ///
 /// The contact presses between Hertz' pressure 3F/(2πa²)·√(1 − (r/a)²), which is right if it is small against
 /// the thickness h, and the paraboloid 2F/(πa²)·(1 − (r/a)²) of a wide one. The share of the latter is a/(a +
-/// 3h); this meets the exact contact of a sphere within a tenth of the peak at a = 2h … 3h (tests/device/mechanics). The
-/// layer spreads the pressure to the displacement of the surface, and a taxel is the mean over its electrode. Values
-/// are pressures that would move the taxel as far if they were even, which is what a calibrated taxel reads: their
-/// integral over the plane is the force.
+/// 3h); this meets the exact contact of a sphere within a tenth of the peak at a = 2h … 3h (tests/device/mechanics).
+/// The layer spreads the pressure to the displacement of the surface, and a taxel is the mean over its electrode.
+/// Values are pressures that would move the taxel as far if they were even, which is what a calibrated taxel reads:
+/// their integral over the plane is the force.
 ///
 /// Immutable and thread-safe. Construction takes about 20 ms, a value two interpolations. Source: Hankel transforms of
 /// the pressures, of the disc and of the layer (layer.hpp).

@@ -62,13 +62,13 @@ void choose(Site& site, const std::string& name);
 /// Returns the controllers of the bus that are not in `streamed`, because they stream as well
 /// (session::StreamOptions::neighbours). Throws as flash_options.
 [[nodiscard]] std::vector<session::StreamDemand> other_demands(const BusConfig& bus,
-                                                              std::span<const design::Design* const> streamed);
+                                                               std::span<const design::Design* const> streamed);
 
 /// Extends `options` for a stream of `streamed`: the other covers become neighbours, and the rate of the robot file is
 /// used where `options` does not set one. Throws as flash_options.
 [[nodiscard]] session::StreamOptions stream_options(const BusConfig& bus,
-                                                   std::span<const design::Design* const> streamed,
-                                                   session::StreamOptions options);
+                                                    std::span<const design::Design* const> streamed,
+                                                    session::StreamOptions options);
 
 /// Joins all covers of a robot in the frame of its base (joints at 0), for pictures and exports; cover c of the robot
 /// file is element c of the offsets. Throws as design::side_by_side does.

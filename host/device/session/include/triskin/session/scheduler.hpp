@@ -28,6 +28,7 @@ inline constexpr int kTasksPerWire = 16;
 /// operating-system thread per task, created when the task starts (docs/decisions.md). Call it
 /// from one thread; `link`, `tasks` and the objects that the tasks use must outlive the call. A task must not call
 /// run_tasks.
-[[nodiscard]] std::vector<std::exception_ptr> run_tasks(link::Link& link, std::span<const Task> tasks, int per_wire = 1);
+[[nodiscard]] std::vector<std::exception_ptr> run_tasks(link::Link& link, std::span<const Task> tasks,
+                                                        int per_wire = 1);
 
 }  // namespace triskin::session

@@ -77,7 +77,7 @@ struct CalibrateOptions {
   double gauge_percent = 0.0;
   double max_error_percent = 10.0;       ///< A taxel with a larger error is not calibrated.
   std::uint64_t unix_minus_link_ns = 0;  ///< Ramps by calendar need the calendar time at which the link's time was 0.
-  session::StreamOptions stream;                  ///< These options decide how samples are read.
+  session::StreamOptions stream;         ///< These options decide how samples are read.
   /// The calibration states by which method it was made.
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
   std::vector<layout::ModuleId> modules;  ///< Only these modules are calibrated, in ascending order; empty means all.
@@ -109,8 +109,8 @@ struct CalibrationOutcome {
                                                     const CalibrateOptions& options);
 /// Takes samples from now until the ramp ends and fits every taxel to the pressures at the sampling times. Throws as
 /// Stream does, and InputError when the ramp has already ended.
-[[nodiscard]] CalibrationOutcome calibrate_by_ramp(session::Bus& bus, const design::Design& design, const PressureRamp& ramp,
-                                                   const CalibrateOptions& options);
+[[nodiscard]] CalibrationOutcome calibrate_by_ramp(session::Bus& bus, const design::Design& design,
+                                                   const PressureRamp& ramp, const CalibrateOptions& options);
 
 /// This computer stores calibrations in one file for each controller, named by its serial number.
 class CalibrationStore {

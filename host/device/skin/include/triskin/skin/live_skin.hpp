@@ -125,7 +125,7 @@ class LiveBus {
   std::unique_ptr<session::Stream> stream_;
   session::StreamReport last_report_;
   std::vector<session::StreamReport> last_reports_;  // The reports are indexed by cover.
-  LiveTotals before_;                       // These totals belong to streams that have ended.
+  LiveTotals before_;                                // These totals belong to streams that have ended.
 };
 
 /// A skin is a robot or a design together with its links.

@@ -10,8 +10,8 @@
 
 #include "triskin/recording/messages.hpp"
 
-/// The bridge publishes these types. Most come from host/device/recording; here are two types of ROS that a recording does not
-/// use, and the type hashes of ROS.
+/// The bridge publishes these types. Most come from host/device/recording; here are two types of ROS that a recording
+/// does not use, and the type hashes of ROS.
 namespace triskin::bridge {
 
 /// ROS compares the hash of a message type (REP-2016, version 1) before it matches a reader and a writer.

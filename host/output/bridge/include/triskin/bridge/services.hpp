@@ -11,8 +11,8 @@
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/cdr.hpp"
 
-/// The definitions of these services are in host/output/bridge/ros/triskin_msgs/srv. On the wire a request and its answer
-/// begin with the client and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+/// The definitions of these services are in host/output/bridge/ros/triskin_msgs/srv. On the wire a request and its
+/// answer begin with the client and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
 namespace triskin::bridge {
 
 /// Uses the present values of the taxels as rest values.

@@ -11,7 +11,7 @@ namespace triskin::exports {
 /// ones green with their number, and the outlines of removed ones red. `new_id` is indexed by module of `old`, with
 /// −1 for removed ones; `added` has ids in `now`. Errors: std::out_of_range for an id that a design lacks. Cost:
 /// O(faces + modules).
-[[nodiscard]] std::string revision_svg(const design::Design& old, const design::Design& now, const std::vector<int>& new_id,
-                                       const std::vector<int>& added);
+[[nodiscard]] std::string revision_svg(const design::Design& old, const design::Design& now,
+                                       const std::vector<int>& new_id, const std::vector<int>& added);
 
 }  // namespace triskin::exports

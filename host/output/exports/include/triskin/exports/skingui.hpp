@@ -11,7 +11,8 @@ namespace triskin::exports {
 
 /// skinGui draws a skin as triangles on a plane; some files also name the board that reads each.
 struct SkinGuiLayout {
-  design::ModuleList list;  ///< Islands are the connected groups of the drawing, and center_mm is measured in the drawing.
+  design::ModuleList
+      list;  ///< Islands are the connected groups of the drawing, and center_mm is measured in the drawing.
   std::vector<int> board;  ///< Entry k is the board of node k, or −1 when unknown.
   int boards = 0;
   int boards_apart = 0;  ///< The triangles of this many boards are not connected by joints.

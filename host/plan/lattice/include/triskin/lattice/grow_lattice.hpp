@@ -20,7 +20,8 @@ inline constexpr int kMaxFront = 27;
 
 /// Sets the effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) +
 /// hinge_reward · joints − price. The price is relaxed: islands that jumpers can join count n / 16 + 15 / 32
-/// controllers together, and jumpers as the wiring does (docs/pipeline.md). Errors: InputError for a value out of range.
+/// controllers together, and jumpers as the wiring does (docs/pipeline.md). Errors: InputError for a value out of
+/// range.
 struct SurfaceLatticeOptions {
   /// The limit must be positive. Once a module is found, the search stops within about 0.1 s of it.
   double time_limit_s = 20.0;

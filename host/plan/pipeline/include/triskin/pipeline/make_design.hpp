@@ -35,12 +35,12 @@ enum class SearchMethod : std::uint8_t {
 /// make_design() throws InputError for a value out of range.
 struct DesignOptions {
   std::optional<mesh::LengthUnit> unit;  ///< Without it the mesh file's own unit applies, or mm.
-  cad::FaceSelection faces;                  ///< Selects faces of a STEP or IGES file; an empty selection takes all.
-  std::string object;  ///< Selects one object of a mesh file with several; an empty name takes all.
-  bool flip = false;   ///< True turns all faces over, which takes the other side of an open part.
+  cad::FaceSelection faces;              ///< Selects faces of a STEP or IGES file; an empty selection takes all.
+  std::string object;                    ///< Selects one object of a mesh file with several; an empty name takes all.
+  bool flip = false;                     ///< True turns all faces over, which takes the other side of an open part.
   RepairMode repair = RepairMode::kAuto;
   SearchMethod method = SearchMethod::kAuto;
-  mesh::SideOptions side;   ///< Selects the side of a part with a wall.
+  mesh::SideOptions side;       ///< Selects the side of a part with a wall.
   double bridge_mm = 0.0;       ///< Holes up to this diameter are closed; 0 closes none.
   double time_limit_s = 20.0;   ///< All steps share this time (TimeBudget); the growth gets what the others leave.
   std::uint64_t seed = 1;       ///< All random choices depend on this number.

@@ -12,11 +12,11 @@
 #include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/layout/index.hpp"
 #include "triskin/hardware/contact.hpp"
 #include "triskin/hardware/converters.hpp"
 #include "triskin/hardware/effects.hpp"
 #include "triskin/hardware/expectation.hpp"
+#include "triskin/layout/index.hpp"
 #include "triskin/wire/unique_id.hpp"
 
 namespace triskin::hardware {
@@ -115,7 +115,7 @@ struct Effects {
   double taxel_spread_counts = 0.0;  ///< The offset that is added to an electrode lies within ± this value.
   /// The gains of the taxels lie within ± this fraction of kCountsPerKpa (< 1).
   double sensitivity_spread = 0.0;
-  double electrode_least_pf = 2.0;      ///< It is the smallest capacitance of an electrode; each taxel has its own.
+  double electrode_least_pf = 2.0;  ///< It is the smallest capacitance of an electrode; each taxel has its own.
   /// It is the largest capacitance of an electrode; a converter with the smallest offset steps reaches 16.5 pF.
   double electrode_most_pf = 16.0;
   Converters converters{};              ///< Scene files have it beside "effects".

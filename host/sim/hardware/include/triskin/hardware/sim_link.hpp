@@ -2,11 +2,11 @@
 #pragma once
 #include <deque>
 
+#include "triskin/hardware/virtual_skin.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/link/node_map.hpp"
 #include "triskin/link/touch_actuator.hpp"
-#include "triskin/hardware/virtual_skin.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
 namespace triskin::hardware {

@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
-#include "triskin/layout/index.hpp"
-#include "triskin/layout/module.hpp"
-#include "triskin/layout/taxel_signal.hpp"
-#include "triskin/mechanics/footprint.hpp"
 #include "triskin/hardware/ad7147.hpp"
 #include "triskin/hardware/i2c_line.hpp"
 #include "triskin/hardware/scene.hpp"
 #include "triskin/hardware/switched_hardware.hpp"
+#include "triskin/layout/index.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/layout/taxel_signal.hpp"
+#include "triskin/mechanics/footprint.hpp"
 
 namespace triskin::hardware {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
-#include "triskin/layout/index.hpp"
 #include "triskin/hardware/scene.hpp"
 #include "triskin/hardware/switched_patch.hpp"
+#include "triskin/layout/index.hpp"
 
 namespace triskin::hardware {
 

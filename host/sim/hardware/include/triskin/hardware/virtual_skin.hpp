@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
-#include "triskin/layout/index.hpp"
-#include "triskin/layout/taxel_id.hpp"
 #include "triskin/hardware/board_clock.hpp"
 #include "triskin/hardware/flash_memory.hpp"
 #include "triskin/hardware/scene.hpp"
 #include "triskin/hardware/skin.hpp"
+#include "triskin/layout/index.hpp"
+#include "triskin/layout/taxel_id.hpp"
 #include "triskin/sim/virtual_controller.hpp"
 #include "triskin/wire/bus_load.hpp"
 

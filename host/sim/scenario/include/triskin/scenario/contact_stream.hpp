@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/scenario/running_skin.hpp"
 #include "triskin/hardware/tcp_link.hpp"
+#include "triskin/scenario/running_skin.hpp"
 
 namespace triskin::scenario {
 

@@ -5,8 +5,8 @@
 namespace triskin::board {
 
 /// Every register has 32 bits and a fixed address. The section numbers in this folder are those of RM0440 (STM32G4
-/// reference manual). tests/firmware/silicon/facts.txt has the fact behind each constant of this folder, and a test compares
-/// them.
+/// reference manual). tests/firmware/silicon/facts.txt has the fact behind each constant of this folder, and a test
+/// compares them.
 class Register {
  public:
   /// `address` must be a multiple of 4. The constructor touches nothing.
