@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Times are in µs. A sequence lasts 9,200 nominally, so 8,832 to 9,568 where the oscillator is known to ± 4 %. When it
+// Times are in µs. A sequence lasts 9,200 nominally, so 8,832 to 9,568 where the oscillator is known to 4 %. When it
 // was started at T, ± 25, then
 //   it ends in                      T + 8,807 … T + 9,593, the middle is T + 9,200;
 //   its reading may start from      T + 9,033   the last result comes 585 later, 25 of margin after T + 9,593;
@@ -190,7 +190,7 @@ TEST_F(Refinement, TakesTheNextStageWhenItIsTooLate) {
   EXPECT_EQ(schedule.due(kT + 2'947), (Due{Action::kStatus, 0}));
 }
 
-// Stages 1 and 2 had ended at T + 2,300 (± 25, as the start): twelve last 4 · 2,350 = 9,400 at the longest, instead of
+// Stages 1 and 2 had ended at T + 2,300 (± 25, as the start): twelve last 4 * 2,350 = 9,400 at the longest, instead of
 // 9,568. Nine stages remain, 7,050: the sequence ends by T + 9,375 instead of T + 9,593, and the window opens 218
 // earlier.
 TEST_F(Refinement, AStageThatHasEndedOpensTheWindowEarlier) {

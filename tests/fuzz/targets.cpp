@@ -232,7 +232,7 @@ void image_update(Bytes input) {
   require(crc32(a.bytes()) == before);
 }
 
-void ad7147_results(Bytes piece, fw::ModuleSample& sample) {
+void ad7147_results(Bytes piece, fw::ModuleReading& sample) {
   fw::ad7147::Results results{};
   for (std::size_t t = 0; t < results.size(); ++t)
     results[t] = static_cast<std::uint16_t>(piece[t % piece.size()] << 8 | piece[0]);
@@ -242,7 +242,7 @@ void ad7147_results(Bytes piece, fw::ModuleSample& sample) {
 void icub(Bytes input) {
   fw::IcubBoard board;
   fw::IcubTriangles triangles;
-  fw::ModuleSample sample;
+  fw::ModuleReading sample;
   const wire::UniqueId unique_id{1, 2, 3};
   each_piece(input, [&](Bytes piece) {
     if (piece.size() < 2) return;

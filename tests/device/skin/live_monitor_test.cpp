@@ -287,7 +287,8 @@ TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
   EXPECT_EQ(monitor.unheard(layout::PatchIndex{0}), 1);
   EXPECT_EQ(monitor.faults(layout::PatchIndex{0}), 0);
   EXPECT_EQ(monitor.faults(layout::PatchIndex{1}), 1);
-  EXPECT_THAT(monitor.picture(layout::PatchIndex{1}, skin::PressureUnit::kCounts, false), ElementsAre("▲gone ▼  -- "));
+  const auto picture = monitor.picture(layout::PatchIndex{1}, skin::PressureUnit::kCounts, false);
+  EXPECT_THAT(picture, ElementsAre("▲gone ▼  -- "));
   monitor.close_period(0.5);
   EXPECT_DOUBLE_EQ(monitor.rate_hz(layout::PatchIndex{0}), 0.0);
 }

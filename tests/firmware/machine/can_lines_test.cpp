@@ -36,7 +36,7 @@ std::optional<Phase> phase_of(const std::string& line, const std::string& prefix
 
 class CanLines : public Bench {
  protected:
-  // RM0440 §44.4: NBTP has prescaler, TSEG1 and TSEG2 at bits 16, 8 and 0, DBTP at bits 16, 8 and 4, each less one; the
+  // RM0440, 44.4: NBTP has prescaler, TSEG1 and TSEG2 at bits 16, 8 and 0, DBTP at bits 16, 8 and 4, each less one; the
   // sample point follows the first quantum and TSEG1.
   [[nodiscard]] Phase nominal() const {
     const std::uint32_t r = machine->read_register(0x40006400 + 0x1C);

@@ -63,7 +63,7 @@ TEST(Converters, EachPropertyChangesTheResultAsItSays) {
   // 2,000 counts less three steps of 1,000; the steps of the negative input have 990.
   EXPECT_EQ(converted({.step_counts = 1000}, kPositive, 3), 0x8000 + 2000 - 3000);
   EXPECT_EQ(converted({.step_counts = 1000, .neg_step_ratio = 0.99}, kNegative, 3), 0x8000 - 2000 + 2970);
-  // Bent by a tenth: 63 steps are 63 · 1,000 · (1 + 0.1 / 2) = 66,150; code 21 has 21 + 0.1 · 441 / 126 = 21.35 steps.
+  // Bent by a tenth: 63 steps are 63 * 1,000 * (1 + 0.1 / 2) = 66,150; code 21 has 21 + 0.1 · 441 / 126 = 21.35 steps.
   EXPECT_EQ(converted({.step_counts = 1000, .step_bend = 0.1}, kPositive, 21), 0x8000 + 2000 - 21'350);
   EXPECT_EQ(converted({.zero_counts = -20}, kPositive, 0), 0x8000 + 2000 - 20);
   EXPECT_EQ(converted({.zero_counts = -20}, kNegative, 0), 0x8000 - 2000 - 20);

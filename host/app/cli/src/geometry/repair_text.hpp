@@ -62,7 +62,7 @@ namespace triskin::cli {
   double others_mm2 = -largest.area_mm2;
   for (const mesh::DroppedPart& part : r.dropped) others_mm2 += part.area_mm2;
   std::string text =
-      fmt::format("not in the surface: a part of {:.2f} cm² near ({:.1f}, {:.1f}, {:.1f}) mm", largest.area_mm2 / 100.0,
+      fmt::format("left out: a part of {:.2f} cm² near ({:.1f}, {:.1f}, {:.1f}) mm", largest.area_mm2 / 100.0,
                   largest.where_mm.x(), largest.where_mm.y(), largest.where_mm.z());
   if (r.dropped.size() > 1)
     text +=

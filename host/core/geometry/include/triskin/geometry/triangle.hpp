@@ -24,7 +24,7 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
-/// Returns the point of triangle (a, b, c) that is nearest to p, as barycentric weights (≥ 0, sum 1). Triangles without
+/// Returns the point of triangle (a, b, c) nearest to p, as barycentric weights (≥ 0, sum 1). Triangles without
 /// area are the segments or the point that they look like. Corners must be finite; an infinite p gives some corner.
 /// Constant cost. Source: C. Ericson, Real-Time Collision Detection, 5.1.5.
 [[nodiscard]] Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,

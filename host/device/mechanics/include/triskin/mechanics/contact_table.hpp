@@ -11,7 +11,7 @@ namespace triskin::mechanics {
 /// forces and moduli. Contacts that are 0.7 h or more apart may be superposed by adding their displacements.
 ///
 /// The error against press_bonded() is below 0.5 % for contact radii of 0.03 … 40 thicknesses and a sphere that is
-/// pressed in to no more than 0.8 of its radius (tests/device/mechanics). Cost: the table takes 0.3 … 1 s to make, when
+/// pressed in to no more than 0.8 of its radius (tests/device/mechanics). Cost: the table takes 0.3 … 1 s, when
 /// a round contact or a line is first asked for; a look-up some 20 µs. Thread-safe.
 class ContactTable {
  public:

@@ -58,7 +58,7 @@ void measure_on_surface(const mesh::Surface& surface, PlacedModule& module, doub
 void measure_between(ModuleLayout& layout);
 
 /// Returns the depth in mm by which two modules (corners in mm, counter-clockwise; less their corner cut) overlap: up
-/// to 101.5° between their normals in the plane of the mean normal, beyond as bodies 2 mm high (docs/limits.md); 0 when
+/// to 101.5° between their normals in the plane of the mean normal, beyond as bodies 2 mm high (docs/limits.md); 0 if
 /// they are apart or do not lie over each other. Separating axes; constant cost.
 [[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b,
                                        double corner_cut_mm = 0.0);
