@@ -254,7 +254,7 @@ TEST_F(Backups, that_were_cut_or_changed_are_refused) {
 // The data is no table, but its CRC fits, so the second check must refuse it.
 TEST_F(Backups, of_something_else_than_a_table_are_refused) {
   auto boards = deploy::save_boards(bus_, {});
-  / boards / 0 / table[40] ^= 1;
+  boards[0].table[40] ^= 1;
   EXPECT_NE(error_of(deploy::backup_text(boards)).find("/boards/0/table"), std::string::npos);
   boards = deploy::save_boards(bus_, {});
   boards[0].node_address = 9;

@@ -72,7 +72,8 @@ inline void install(hardware::VirtualSkin& skin, std::size_t patch, int slot, co
   w.le32(static_cast<std::uint32_t>(image.size()));
   w.le32(layout::slot_crc(1, image));
   (void)flash.program(records, record);
-  (void)flash.program(records + 5 * 8, std::array<std::uint8_t, 8>{});  // This is the first place for a confirmation.
+  // The first of the confirmations, behind three places for starts (firmware/boot, SlotStore).
+  (void)flash.program(records + 1024 + 3 * 8, std::array<std::uint8_t, 8>{'T', 'S', 'K', 'M', 'A', 'R', 'K', 0});
   skin.power_cycle(patch);
 }
 

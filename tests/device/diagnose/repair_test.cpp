@@ -40,7 +40,7 @@ TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
   EXPECT_THAT(steps[3], AllOf(HasSubstr("side 2 (port A) to side 1 of module 4"),
                               HasSubstr("side 0 (port B) to side 2 of module 6")));
   EXPECT_THAT(steps[4], HasSubstr("solder the new module in"));
-  EXPECT_THAT(steps[5], AllOf(HasSubstr("port A at side 2"), HasSubstr("line L1 and address 1")));
+  EXPECT_THAT(steps[5], AllOf(HasSubstr("port A at side 2"), HasSubstr("line L1 and ADD0H ADD1L (2D)")));
   EXPECT_THAT(steps[7], HasSubstr("triskin flash d.json --link sim"));
   EXPECT_THAT(steps[8], HasSubstr("triskin live d.json --link sim --tare"));
   EXPECT_THAT(steps[9], HasSubstr("triskin verify d.json --link sim"));
@@ -60,8 +60,8 @@ TEST(Repair, modules_with_kinds_have_the_same_steps) {
 
 TEST(Repair, exchanged_modules_get_their_own_straps) {
   const auto steps = steps_after({fault(FaultKind::kSwappedChips, 1, 6)}, FindingKind::kSwappedModules);
-  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 1:"), HasSubstr("line L0 and address 1"))));
-  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 6:"), HasSubstr("line L1 and address 2"))));
+  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 1:"), HasSubstr("line L0 and ADD0H ADD1L (2D)"))));
+  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 6:"), HasSubstr("line L1 and ADD0L ADD1H (2E)"))));
 }
 
 TEST(Repair, a_joint_is_named_by_both_modules) {

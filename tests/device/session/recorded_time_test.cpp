@@ -29,18 +29,5 @@ TEST(RecordedTime, comes_back_with_its_bound) {
   EXPECT_EQ(recording::decode_raw(recording::encode_raw(frame())), frame());
 }
 
-// For four modules the counts end four bytes before a multiple of eight, so a frame of 0.1 lacks the last sixteen
-// bytes.
-TEST(RecordedTime, a_frame_of_0_1_is_read_without_it) {
-  const auto message = recording::encode_raw(frame());
-  const auto samples = recording::decode_raw(Bytes(message).first(message.size() - 16));
-  ASSERT_TRUE(samples.has_value());
-  ASSERT_EQ(samples->size(), 4U);
-  EXPECT_EQ((*samples)[3].sample.device_time_us, 4'100U);
-  EXPECT_EQ((*samples)[3].sampled_ns, 0U);
-  EXPECT_EQ((*samples)[3].error_us, recording::ModuleSample::kNoBound);
-  EXPECT_FALSE(recording::decode_raw(Bytes(message).first(message.size() - 4)).has_value()) << "half of it is damage";
-}
-
 }  // namespace
 }  // namespace triskin::session

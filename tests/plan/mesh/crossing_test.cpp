@@ -114,7 +114,7 @@ TEST(Crossings, are_those_that_cgal_finds) {
       Mesh mesh = test::read_back(test::grid_of(shape.place, 20, 14));
       damage.make(mesh, dice);
       try {
-        ExtractReport unused;
+        mesh::ExtractReport unused;
         mesh = mesh::joined(test::read_back(mesh), unused);
       } catch (const InputError&) {
         continue;  // The mesh is shattered.

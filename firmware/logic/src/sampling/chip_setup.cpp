@@ -35,9 +35,10 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
             return enter(State::kFind, Next::kDuplicate);
           case DuplicateCheck::Verdict::kSingle:
             single_ = true;
+            // The offset DAC of this input has other steps than that of the other one.
+            if (!place.known) offsets_.aim_for_middle();
         }
       }
-      // The offset DAC of this input has other steps than that of the other one.
       if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
       if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
       settle(place);

@@ -18,7 +18,7 @@ using HullKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Hull = CGAL::Surface_mesh<HullKernel::Point_3>;
 
 constexpr double kNear_mm = 45.0;    // Two circumradii and the height; modules farther apart cannot touch.
-constexpr double kLayer_mm = 10.0;   // Sheets farther apart lie over each other.
+constexpr double kApart_mm = 10.0;   // Sheets farther apart lie over each other.
 constexpr double kFacesAway = -0.2;  // Below this cosine of the normals modules are compared as bodies.
 constexpr double kBody_mm = 2.0;     // The soft layer.
 // A triangle of the hull whose height is a smaller part of its longest side has no normal to speak of. What it covers
@@ -50,7 +50,7 @@ double planar_overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
 // Seen along the mean of their normals, within one layer.
 double side_by_side(const Triangle3& a, const Triangle3& b, double cut) {
   const P3 n = (unit_normal(a) + unit_normal(b)).normalized();
-  if (std::abs((centroid(b) - centroid(a)).dot(n)) > kLayer_mm) return 0.0;
+  if (std::abs((centroid(b) - centroid(a)).dot(n)) > kApart_mm) return 0.0;
   const P3 x = n.unitOrthogonal(), y = n.cross(x);
   const auto flat = [&](const Triangle3& t) {
     std::vector<P2> points;
