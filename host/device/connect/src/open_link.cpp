@@ -30,7 +30,6 @@ std::unique_ptr<link::Link> open_sim(const LinkOptions& options, const design::D
     hardware::Scene scene;
     scene.design = *design;
     scene.switched = options.switched;
-    scene.effects.converters.drawn = true;
     scene.board_seed = board_seed_of(options.board_seed, scene.seed);
     const auto folder = hardware::state_folder_of(scene.design);
     return simulate_here(options.link, std::move(scene), folder);

@@ -128,7 +128,6 @@ void join_clocks(Scene& joint, std::span<const SimulatedCover> covers) {
 // The surroundings are common to all covers.
 void take_surroundings(Scene& joint, std::span<const SimulatedCover> covers) {
   const Scene* common = covers.empty() ? nullptr : covers.front().scene;
-  joint.effects.converters.drawn = true;
   if (common != nullptr) {
     joint.seed = common->seed;
     joint.switched = common->switched;

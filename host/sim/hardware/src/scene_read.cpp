@@ -117,7 +117,6 @@ Scene read_surroundings(const JsonValue& v) {
   read_hardware(v, scene);
   if (has(v, "pressure")) scene.pressure = read_pressure(v["pressure"]);
   if (has(v, "effects")) scene.effects = read_effects(v["effects"]);
-  scene.effects.converters.drawn = true;
   if (has(v, "converters")) scene.effects.converters = read_converters(v["converters"]);
   return scene;
 }
@@ -280,7 +279,6 @@ Scene scene_of_design(const std::filesystem::path& path) {
   Scene scene;
   scene.design = design::read_design(path);
   scene.board_seed = scene.seed;
-  scene.effects.converters.drawn = true;
   return scene;
 }
 
