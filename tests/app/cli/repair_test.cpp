@@ -85,7 +85,7 @@ TEST_F(Bench, dump_prints_what_controllers_say_of_themselves) {
   const Outcome o = run("dump strip.json --link sim --ask --frames 3");
   EXPECT_EQ(o.status, 0) << o.messages;
   EXPECT_THAT(o.out,
-              AllOf(HasSubstr("simulated"), HasSubstr("18E0FFF1   [0]"), HasSubstr("who is there?"),
+              AllOf(HasSubstr("Simulated"), HasSubstr("18E0FFF1   [0]"), HasSubstr("who is there?"),
                     HasSubstr("claim: unique id"), HasSubstr("node address 1, no table"), HasSubstr("3 frames")));
   std::istringstream lines(run("dump strip.json --link sim --ask --frames 3 --json").out);
   std::string first;

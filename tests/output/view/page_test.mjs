@@ -120,7 +120,7 @@ async function checkSelection(page) {
   await page.evaluate(() => { window.triskin.setMode(5); window.triskin.select(9, false); });
   for (const joint of [false, true]) {
     assert.equal(await page.evaluate(() => window.triskin.failure().cut.length), 7);
-    assert.match(await page.textContent("#module"), /lost with its joint to 87, switched 7/);
+    assert.match(await page.textContent("#module"), /modules lost if its joint to 8 fails7 \(switched hardware: 7\)/);
     await page.setChecked("#joint-fails", !joint);
   }
   await page.evaluate(() => { window.triskin.setMode(0); window.triskin.select(-1, false); });

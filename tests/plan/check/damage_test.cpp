@@ -256,15 +256,15 @@ TEST_F(Damage, wiring) {
   expect("max-depth", [](json& j) { j["patches"][0]["max_depth"] = 0; });
   expect("line-hops", [](json& j) { j["patches"][0]["line_hops"] = 0; });
   expect("joint-use", [](json& j) { j["patches"][0]["cut_joints"].push_back({entry(j)["id"], leaf(j)["id"]}); });
-  // The last module hangs on a cable of 10 km: 9.8 kΩ, so its milliampere takes all of the supply.
+  // The last module hangs on a cable of 8 km: 7.8 kΩ, so its milliampere takes all of the supply.
   expect("supply", [](json& j) {
     j["version"] = 2;
-    j["limits"]["jumper_mm"] = 1e8;
+    j["limits"]["jumper_mm"] = 8.5e6;
     j["report"]["jumpers_lower_bound"] = 0;
     j["jumpers"] = json::array({{{"kind", "cable"},
                                  {"modules", {leaf(j)["parent"], leaf(j)["id"]}},
                                  {"sides", {0, 0}},
-                                 {"length_mm", 1e7},
+                                 {"length_mm", 8e6},
                                  {"fold_rad", 0.0}}});
   });
   expect("patch-members", [](json& j) { j["patches"][0]["modules"].push_back(leaf(j)["id"]); });

@@ -173,7 +173,7 @@ TEST_F(Formats, UnlikelySizesAreAQuestion) {
 std::string dae_geometry(const std::string& name, int size) {
   return fmt::format(
       R"(<geometry id="{0}-g" name="{0}"><mesh><source id="{0}-p"><float_array id="{0}-a" count="9">
-0 0 0 {1} 0 0 0 {1} 0</float_array><technique_common><accessor source="#{0}-a" count="3" stride="3">
+0 0 {1} {1} 0 {1} 0 {1} {1}</float_array><technique_common><accessor source="#{0}-a" count="3" stride="3">
 <param name="X" type="float"/>
 <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="{0}-v"><input semantic="POSITION" source="#{0}-p"/></vertices>
@@ -229,7 +229,7 @@ std::string model_3mf(const std::string& unit) {
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?><model {} xml:lang="en-US"
 xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}{}</resources>
-<build><item objectid="1"/><item objectid="2"/></build></model>)",
+<build><item objectid="1"/><item objectid="2" transform="1 0 0 0 1 0 0 0 1 0 0 50"/></build></model>)",
       unit, object(1, "hull", 40), object(2, "fin", 20));
 }
 

@@ -68,7 +68,7 @@ std::string circuit_of(const design::Patch& patch, const std::vector<double>& oh
   }
   text += ".control\nop\nset numdgt=12\n";
   for (const design::RoutedModule& m : patch.modules) text += fmt::format("print v(v{0})-v(g{0})\n", m.node);
-  return text + ".endc\n.end\n";
+  return text + "quit 0\n.endc\n.end\n";
 }
 
 TEST(Supply, OfTenRandomTreesAsNgspiceSolvesThem) {

@@ -33,7 +33,7 @@ class SceneTrust : public SceneCase {
 TEST_F(SceneTrust, a_contact_five_metres_off_the_skin_is_refused_with_its_distance) {
   // The highest taxel lies on z = 0.
   EXPECT_THAT(error_with(R"("contacts":[{"position_mm":[15,9,5000]}])"),
-              AllOf(HasSubstr("contacts[0]"), HasSubstr("no taxel feels this contact"), HasSubstr("5000.0 mm")));
+              AllOf(HasSubstr("/contacts/0"), HasSubstr("no taxel feels this contact"), HasSubstr("5000.0 mm")));
   EXPECT_EQ(error_with(R"("contacts":[{"position_mm":[15,9,5]}])"), "no error");
 }
 
