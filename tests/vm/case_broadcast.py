@@ -30,7 +30,7 @@ def simulate(cover):
 def make_robot():
     """A robot file, and the boards of each cover with their tables; returns the processes. d keeps what it left the factory with,
     which does not know the broadcast; the others have an application that does."""
-    make_package("first.tsf", 1, size=4_000, labelled=True)
+    make_package("first.tsf", 1, size=4_000)
     run(bench.TRISKIN, "robot", "new", "robot.json", "--name", "robot", "--bus", "can=can:vxcan0")
     boards = {}
     for cover, count in COVERS.items():
@@ -56,7 +56,7 @@ def outcomes(result):
 
 def test_firmware_to_sixteen_boards_on_a_bus_that_loses_frames():
     """c dies when the data begin, b loses its power somewhere in them. The loader of d may be given up: ISO-TP repeats no frame."""
-    make_package("second.tsf", 2, size=IMAGE_BYTES, labelled=True)
+    make_package("second.tsf", 2, size=IMAGE_BYTES)
     seed = 22
     cut_after = random.Random(seed).randrange(IMAGE_BYTES // 8)
     bench.log.append(f"seed {seed}: board b is cut after {cut_after} of {IMAGE_BYTES // 8} data frames")

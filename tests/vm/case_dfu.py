@@ -13,14 +13,17 @@ from case_usb import wait_for_devices
 MAKE_PACKAGE = pathlib.Path(__file__).parents[2] / "tools/make_firmware_package"
 
 
-def make_package(path, fill, size=20_000, labelled=False):
-    """Makes images that would start: stack and entry fit their slots. With a label they know the broadcast."""
+VERSION = (0, 2, 0)  # that of the simulated boards, so that the package is not older
+
+
+def make_package(path, fill, size=20_000):
+    """Makes images that would start: stack, entry and label fit their slots."""
     for name, origin in (("a", 0x08004000), ("b", 0x08040000)):
         image = bytearray(struct.pack("<II", 0x20010000, origin + 0x201) + bytes([fill]) * (size - 8))
-        if labelled:
-            image[0x1D8:0x1F0] = b"TSKL" + bytes([1, 0, 0, 0]) + b"TRISKIN1" + struct.pack("<II", 0x00010000, origin)
+        version = VERSION[0] << 24 | VERSION[1] << 16 | VERSION[2]
+        image[0x1D8:0x1F0] = b"TSKL" + bytes([1, 0, 0, 0]) + b"TRISKIN1" + struct.pack("<II", version, origin)
         pathlib.Path(f"/tmp/{name}.bin").write_bytes(image)
-    run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path, "0.1.0")
+    run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path, ".".join(map(str, VERSION)))
 
 
 def test_firmware_over_can():
@@ -40,8 +43,8 @@ def test_firmware_over_can():
 
 
 def test_firmware_to_all_controllers_at_once():
-    make_package("/tmp/first.tsf", 1, labelled=True)
-    make_package("/tmp/second.tsf", 2, labelled=True)
+    make_package("/tmp/first.tsf", 1)
+    make_package("/tmp/second.tsf", 2)
     for link in ("can:vcan0", "can:vcan1"):
         with controllers(link):
             triskin("flash", DESIGN, "--by-serial", "--link", link)

@@ -136,7 +136,7 @@ def test_a_can_bus_breaks_in_every_state_of_a_flash():
 
 def test_a_can_bus_breaks_in_every_state_of_an_update():
     link = f"can:{HOST}"
-    make_package("/tmp/first.tsf", 1, size=6_000, labelled=True)
+    make_package("/tmp/first.tsf", 1, size=6_000)
     with two_ended_bus(), controllers(f"can:{BOARDS}"):
         run(*flash_command(link), timeout=120)
         run(*flash_command(link, "--firmware", "/tmp/first.tsf"), timeout=120)

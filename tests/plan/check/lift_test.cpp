@@ -179,19 +179,14 @@ TEST(KeepLimits, no_module_passes_through_another_in_space) {
   }
 }
 
-TEST_F(Lift, files_of_before_the_limits_are_read_and_stay_as_they_are) {
-  json j = design_of(kGroove_mm, 20.0, 20.0);
-  for (const char* key : {"lift_mm", "depth_mm"}) j["limits"].erase(key);
-  for (const char* key : {"max_edge_lift_mm", "max_edge_depth_mm"}) j["report"].erase(key);
-  for (json& m : j["modules"]) m.erase("edge_lift_mm");
-  EXPECT_THAT(broken(j), testing::IsEmpty());
-  const design::Design old = design::read_design(folder_ / "checked.json");
-  EXPECT_TRUE(std::isinf(old.limits.lift_mm) && std::isinf(old.limits.depth_mm));
-  design::write_design(folder_ / "again.json", old);
-  EXPECT_EQ(json::parse(read_file(folder_ / "again.json")), j);
-
-  j["limits"]["lift_mm"] = 3.5;  // The file has one key without the other.
-  EXPECT_THROW((void)violations(j), InputError);
+TEST_F(Lift, a_design_without_its_limits_is_refused) {
+  const json whole = design_of(kGroove_mm, 20.0, 20.0);
+  EXPECT_THAT(broken(whole), testing::IsEmpty());
+  for (const char* key : {"lift_mm", "depth_mm"}) {
+    json without = whole;
+    without["limits"].erase(key);
+    EXPECT_THROW((void)violations(without), InputError) << key;
+  }
 }
 
 }  // namespace
