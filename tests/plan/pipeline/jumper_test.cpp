@@ -91,6 +91,28 @@ TEST(Jumper, a_module_in_between_is_not_crossed) {
   for (const design::Jumper& j : routing::find_jumpers(plane(), layout, {})) EXPECT_NE(j.node, (std::array{0, 1}));
 }
 
+// Below the side of module 0 lie two others side by side, one 8 mm and one 10 mm away; the side has room for one cable.
+TEST(Jumper, a_fitted_one_stays_where_a_shorter_one_would_be_possible) {
+  design::ModuleLayout layout = facing(8.0, -15.5);
+  layout.islands = 3;
+  layout.modules.push_back(facing(10.0, 15.5).modules[1]);
+  layout.modules[2].island = 2;
+  design::LayoutLimits limits;
+  limits.jumper_mm = 20.0;
+  const auto ends_at_module_0 = [&](std::span<const design::Jumper> fitted) {
+    std::vector<std::array<int, 2>> ends;
+    for (const design::Jumper& j : routing::find_jumpers(plane(), layout, limits, fitted)) {
+      if (j.node[0] == 0 && j.side[0] == 0) ends.push_back(j.node);
+    }
+    return ends;
+  };
+  EXPECT_THAT(ends_at_module_0({}), testing::ElementsAre(std::array{0, 1}));
+  design::Jumper fitted;
+  fitted.node = {0, 2};
+  fitted.side = {0, 0};
+  EXPECT_THAT(ends_at_module_0({&fitted, 1}), testing::ElementsAre(std::array{0, 2}));
+}
+
 class JumperedFile : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Printed labels and soldered straps outlive an edit: random edits of generated covers.
+// Printed labels and soldered straps outlive a change: random edits of generated covers, and revisions of their part.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,13 +14,17 @@
 #include "triskin/base/error.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 #include "triskin/pipeline/make_design.hpp"
+#include "triskin/pipeline/revise_design.hpp"
+#include "triskin/routing/jumpers.hpp"
 
 namespace triskin::pipeline {
 namespace {
 
 using design::Design;
+using design::Vec3;
 
-constexpr int kEditsPerCover = 50;
+// Six covers have 210 changes together.
+constexpr int kChangesPerCover = 35, kChangesPerRevision = 7;
 
 // What is soldered and flashed for a controller: each module by its id in the older design, with straps and parent.
 std::set<std::array<int, 5>> wiring_of_patch(const design::Patch& patch, const std::vector<int>& old_id) {
@@ -44,8 +49,47 @@ LayoutEdit random_edit(const Design& d, Dice& dice) {
   return edit;
 }
 
+// The next version of the part: somewhere the surface rises by up to 8 mm.
+Design next_part(const Design& d, Dice& dice) {
+  constexpr double kRise_mm = 8.0, kRadius_mm = 45.0;
+  Design part;
+  part.name = d.name;
+  part.surface = d.surface;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& v : d.surface.vertices) middle += v / static_cast<double>(d.surface.vertices.size());
+  const Vec3 top =
+      d.surface.vertices[static_cast<std::size_t>(dice.below(static_cast<int>(d.surface.vertices.size())))];
+  for (Vec3& v : part.surface.vertices) {
+    const double part_of_radius = (v - top).norm() / kRadius_mm;
+    if (part_of_radius < 1.0) v += kRise_mm * (1.0 - part_of_radius * part_of_radius) * (top - middle).normalized();
+  }
+  return part;
+}
+
+EditedDesign revised(const Design& d, Dice& dice) {
+  Revision revision;
+  Design now = revise_design(d, next_part(d, dice), {300.0, 1, 1}, revision);
+  return {std::move(now), std::move(revision.new_id), std::move(revision.added), std::move(revision.new_patch)};
+}
+
+// A new module may have taken a side that a jumper needs, or stand across it; then the controller is wired anew.
+bool has_its_jumpers(const Design& before, const design::Patch& patch, const EditedDesign& e) {
+  const mesh::Surface surface(e.design.surface);
+  for (design::Jumper j : before.layout.jumpers) {
+    if (std::ranges::none_of(patch.modules, [&](const auto& m) { return m.node == j.node[0]; })) continue;
+    for (int& node : j.node) node = e.new_id[static_cast<std::size_t>(node)];
+    if (j.node[0] > j.node[1]) {
+      std::swap(j.node[0], j.node[1]);
+      std::swap(j.side[0], j.side[1]);
+    }
+    const auto places = routing::find_jumpers(surface, e.design.layout, e.design.limits, std::array{j});
+    if (std::ranges::none_of(places, [&](const auto& p) { return p.node == j.node && p.side == j.side; })) return false;
+  }
+  return true;
+}
+
 struct Tally {
-  int edits = 0, kept = 0, moved_down = 0, controllers = 0;
+  int changes = 0, kept = 0, moved_down = 0, controllers = 0, without_jumper = 0;
 };
 
 void expect_labels_hold(const Design& before, const EditedDesign& e, Tally& tally) {
@@ -67,6 +111,10 @@ void expect_labels_hold(const Design& before, const EditedDesign& e, Tally& tall
   for (std::size_t p = 0; p < before.patches.size(); ++p) {
     const auto stays = [&](const design::RoutedModule& m) { return e.new_id[static_cast<std::size_t>(m.node)] >= 0; };
     if (!std::ranges::all_of(before.patches[p].modules, stays)) continue;
+    if (!has_its_jumpers(before, before.patches[p], e)) {
+      ++tally.without_jumper;
+      continue;
+    }
     ++tally.controllers;
     ASSERT_GE(e.new_patch[p], 0) << p;
     if (p < e.design.patches.size()) {
@@ -78,38 +126,46 @@ void expect_labels_hold(const Design& before, const EditedDesign& e, Tally& tall
   }
 }
 
-class Labels : public testing::TestWithParam<const char*> {};
+class Labels : public testing::TestWithParam<test::CoverName> {};
 
-TEST_P(Labels, hold_through_random_edits) {
-  const test::CoverFile file(std::string("labels_") + GetParam(), mesh::generate(*mesh::shape_named(GetParam()), {}));
+TEST_P(Labels, hold_through_random_changes) {
+  const auto file = test::cover_file(GetParam());
   DesignOptions options;
   options.iterations = 1;
   options.time_limit_s = 300.0;
-  Design d = make_design(file.path(), options);
+  Design d = make_design(file->path(), options);
   Dice dice(60);
   Tally tally;
-  while (tally.edits < kEditsPerCover) {
+  while (tally.changes < kChangesPerCover) {
     EditedDesign e;
     try {
-      e = edit_design(d, random_edit(d, dice));
+      e = tally.changes % kChangesPerRevision == 0 ? revised(d, dice) : edit_design(d, random_edit(d, dice));
     } catch (const InputError&) {
       continue;  // no module fits there
     }
-    ++tally.edits;
+    ++tally.changes;
     expect_labels_hold(d, e, tally);
     if (HasFatalFailure()) return;
     d = std::move(e.design);
   }
-  EXPECT_GT(tally.controllers, kEditsPerCover);
+  EXPECT_GT(tally.controllers, kChangesPerCover);
+  EXPECT_LT(tally.without_jumper, tally.controllers / 10);
   RecordProperty("kept", tally.kept);
   RecordProperty("moved_down", tally.moved_down);
   RecordProperty("controllers", tally.controllers);
   std::printf(
-      "%s: %d edits, %d kept modules, %d of them above the last number and renumbered, %d untouched controllers\n",
-      GetParam(), tally.edits, tally.kept, tally.moved_down, tally.controllers);
+      "%d changes, %d kept modules, %d of them above the last number and renumbered, %d untouched controllers, "
+      "%d lost a jumper to a new module\n",
+      tally.changes, tally.kept, tally.moved_down, tally.controllers, tally.without_jumper);
 }
-INSTANTIATE_TEST_SUITE_P(Shapes, Labels, testing::Values("forearm", "torso", "hip", "thigh"),
-                         [](const auto& shape) { return std::string(shape.param); });
+INSTANTIATE_TEST_SUITE_P(Shapes, Labels,
+                         testing::Values(test::CoverName{"forearm"}, test::CoverName{"torso"}, test::CoverName{"hip"},
+                                         test::CoverName{"thigh"}, test::CoverName{"forearm", {.size_mm = 200.0}},
+                                         test::CoverName{"torso", {.size_mm = 150.0}}),
+                         [](const auto& cover) {
+                           const int size_mm = static_cast<int>(cover.param.options.size_mm);
+                           return size_mm == 0 ? cover.param.name : fmt::format("{}_{}", cover.param.name, size_mm);
+                         });
 
 }  // namespace
 }  // namespace triskin::pipeline

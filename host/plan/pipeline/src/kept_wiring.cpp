@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "triskin/base/index.hpp"
 #include "triskin/routing/jumpers.hpp"
@@ -13,16 +14,21 @@
 namespace triskin::pipeline {
 namespace {
 
-// Returns the same jumper between the new ids among the places, with its cable measured on the new surface.
-std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::vector<int>& new_id,
-                                         const std::vector<design::Jumper>& places) {
-  for (design::Jumper place_now : places) {
-    const std::array<int, 2> ends{new_id[at(was.node[0])], new_id[at(was.node[1])]};
-    if (place_now.node == ends && place_now.side == was.side) return place_now;
-    if (place_now.node == std::array{ends[1], ends[0]} && place_now.side == std::array{was.side[1], was.side[0]})
-      return place_now;
+// Returns the jumper between the new ids, the lesser first; −1 stands for a module that is gone.
+design::Jumper renamed(design::Jumper jumper, const std::vector<int>& new_id) {
+  for (int& node : jumper.node) node = new_id[at(node)];
+  if (jumper.node[0] > jumper.node[1]) {
+    std::swap(jumper.node[0], jumper.node[1]);
+    std::swap(jumper.side[0], jumper.side[1]);
   }
-  return std::nullopt;
+  return jumper;
+}
+
+// Returns the same jumper among the places, with its cable measured on the new surface.
+std::optional<design::Jumper> jumper_now(const design::Jumper& was, const std::vector<design::Jumper>& places) {
+  const auto now =
+      std::ranges::find_if(places, [&](const auto& j) { return j.node == was.node && j.side == was.side; });
+  return now == places.end() ? std::nullopt : std::optional(*now);
 }
 
 // Keeps the patches whose modules and joints are unchanged.
@@ -37,7 +43,7 @@ class PatchKeeper {
     for (std::size_t p = 0; p < old_.patches.size(); ++p) {
       std::vector<design::Jumper> jumpers;
       const bool stays = has_modules(old_.patches[p]) && has_joints(old_.patches[p]) && has_jumpers(p, jumpers);
-      kept.patches.push_back(stays ? renamed(old_.patches[p]) : design::Patch{});
+      kept.patches.push_back(stays ? renamed_patch(old_.patches[p]) : design::Patch{});
       if (stays) kept.jumpers.insert(kept.jumpers.end(), jumpers.begin(), jumpers.end());
       new_patch.push_back(stays ? static_cast<int>(p) : -1);
     }
@@ -63,13 +69,13 @@ class PatchKeeper {
   [[nodiscard]] bool has_jumpers(std::size_t patch, std::vector<design::Jumper>& jumpers) const {
     for (const design::Jumper& jumper : old_.layout.jumpers) {
       if (wiring_[at(jumper.node[0])].patch != static_cast<int>(patch)) continue;
-      const auto now = jumper_now(jumper, new_id_, places_);
+      const auto now = jumper_now(renamed(jumper, new_id_), places_);
       if (!now) return false;
       jumpers.push_back(*now);
     }
     return true;
   }
-  [[nodiscard]] design::Patch renamed(design::Patch patch) const {
+  [[nodiscard]] design::Patch renamed_patch(design::Patch patch) const {
     const auto rename = [&](int& node) { node = node < 0 ? node : new_id_[at(node)]; };
     rename(patch.entry);
     for (design::RoutedModule& m : patch.modules) {
@@ -92,7 +98,9 @@ class PatchKeeper {
 std::vector<int> wire_around(const design::Design& old, design::Design& now, const mesh::Surface& surface,
                              const mesh::SurfaceRegions* regions, const std::vector<int>& new_id,
                              const ProgressSink& progress) {
-  const std::vector<design::Jumper> places = routing::find_jumpers(surface, now.layout, now.limits);
+  std::vector<design::Jumper> fitted;
+  for (const design::Jumper& jumper : old.layout.jumpers) fitted.push_back(renamed(jumper, new_id));
+  const std::vector<design::Jumper> places = routing::find_jumpers(surface, now.layout, now.limits, fitted);
   std::vector<int> new_patch;
   const routing::KeptWiring kept = PatchKeeper(old, now, new_id, places).kept(new_patch);
   wire(now, surface, regions, places, progress, nullptr, &kept);

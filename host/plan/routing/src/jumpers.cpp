@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "triskin/base/index.hpp"
 #include "triskin/routing/jumper_sides.hpp"
@@ -53,8 +54,9 @@ bool cross(const Segment& p, const Segment& q) {
 
 class JumperFinder {
  public:
-  JumperFinder(const mesh::Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits)
-      : surface_(surface), layout_(layout), limits_(limits) {
+  JumperFinder(const mesh::Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits,
+               std::span<const Jumper> fitted)
+      : surface_(surface), layout_(layout), limits_(limits), fitted_(fitted) {
     for (std::size_t v = 0; v < layout.modules.size(); ++v) {
       for (std::size_t s = 0; s < 3; ++s) {
         if (layout.modules[v].neighbour[s] < 0)
@@ -73,7 +75,8 @@ class JumperFinder {
       }
     }
     std::erase_if(places, [&](const Jumper& j) { return j.length_mm > limits_.jumper_mm + kRounding_mm; });
-    std::ranges::stable_sort(places, {}, [](const Jumper& j) { return std::tuple(j.length_mm, j.node, j.side); });
+    std::ranges::stable_sort(places, {},
+                             [&](const Jumper& j) { return std::tuple(!is_fitted(j), j.length_mm, j.node, j.side); });
     return without_conflicts(places);
   }
 
@@ -102,7 +105,11 @@ class JumperFinder {
     return j;
   }
 
-  // Takes the shortest first; uses each side and each pair of modules once, and none across another.
+  [[nodiscard]] bool is_fitted(const Jumper& place) const {
+    return std::ranges::any_of(fitted_, [&](const Jumper& j) { return j.node == place.node && j.side == place.side; });
+  }
+
+  // Takes those in the front first; uses each side and each pair of modules once, and none across another.
   [[nodiscard]] std::vector<Jumper> without_conflicts(const std::vector<Jumper>& places) const {
     std::set<std::array<int, 2>> used_sides, used_pairs;
     std::vector<Segment> segments;
@@ -129,6 +136,7 @@ class JumperFinder {
   const mesh::Surface& surface_;
   const ModuleLayout& layout_;
   const LayoutLimits& limits_;
+  std::span<const Jumper> fitted_;
   std::vector<Side> sides_;
 };
 
@@ -148,9 +156,12 @@ double jumper_length_mm(const mesh::Surface& surface, const Vec3& a, const Vec3&
   return length;
 }
 
-std::vector<Jumper> find_jumpers(const mesh::Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits) {
+std::vector<Jumper> find_jumpers(const mesh::Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits,
+                                 std::span<const Jumper> fitted) {
   if (!(limits.jumper_mm > 0.0)) return {};
-  return JumperFinder(surface, layout, limits).run();
+  std::vector<Jumper> places = JumperFinder(surface, layout, limits, fitted).run();
+  std::ranges::stable_sort(places, {}, &Jumper::length_mm);
+  return places;
 }
 
 }  // namespace triskin::routing
