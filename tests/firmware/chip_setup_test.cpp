@@ -200,6 +200,25 @@ TEST(ChipSetup, TellsWhenAChipShowsItsResultsAndKeepsItsOffsets) {
   }
 }
 
+// Taxel 9 rests off the middle; at the positive input pressure raises the result, so it is turned round.
+TEST(ChipSetup, SaysWhatEachTaxelReadWhenItsOffsetWasSettled) {
+  for (const bool positive : {false, true}) {
+    ChipSetup setup;
+    PlaceOffsets place;
+    setup.begin(positive);
+    (void)setup.on_identity(0x1472, place);
+    for (int k = 0; k < 3; ++k) (void)setup.on_results(results_of(setup.stages(), 31), place);
+    EXPECT_EQ(place.rest, ad7147::Results{});
+    setup.on_middle(results_of(setup.stages(), 31));
+    ad7147::Results last = results_of(setup.stages(), 31);
+    last[9] = 0x7123;
+    ASSERT_EQ(setup.on_results(last, place), Next::kSkip);
+    EXPECT_EQ(place.rest[9], positive ? 0x8EDC : 0x7123);
+    (void)setup.on_identity(0x1472, place);
+    EXPECT_EQ(place.rest, ad7147::Results{}) << "searched anew";
+  }
+}
+
 // 18 steps more than the offsets that fitted before are 23,598 counts, more than the middle third of 10,922. Taken for
 // steps of 1,122 counts they are 21; three steps too many stay within the middle third.
 TEST(ChipSetup, AKnownChipWithOtherElectrodesGetsOtherOffsets) {

@@ -18,6 +18,7 @@
 #include "triskin/wire/module_state.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
+#include "triskin/wire/settled_rest.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
@@ -149,6 +150,14 @@ Offsets offsets(const Vector& v) {
   const auto steps = test::numbers(v.one("steps"), 10);
   for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
   return o;
+}
+SettledRest settled_rest(const Vector& v) {
+  SettledRest rest;
+  if (!v.has("counts")) return rest;
+  rest.count = 2;
+  const auto counts = test::numbers(v.one("counts"), 10);
+  for (std::size_t t = 0; t < counts.size(); ++t) rest.modules[0].at(t) = static_cast<std::uint16_t>(counts[t]);
+  return rest;
 }
 Calibration calibration(const Vector& v) {
   const auto head = test::numbers(v.one("head"), 10);
@@ -311,6 +320,7 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"crash", checked<Crash, crash>},
                                            {"log", checked<LogSetting, log_setting>},
                                            {"offsets", checked<Offsets, offsets>},
+                                           {"settled_rest", checked<SettledRest, settled_rest>},
                                            {"calibration", checked<Calibration, calibration>},
                                            {"offset_result", checked<OffsetResult, offset_result>},
                                            {"reroute", checked<RerouteResult, reroute>},

@@ -86,6 +86,7 @@ struct Identifiers::Table {
       Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
       Row{wire::did::kCalibration, calibration, set_calibration},
       Row{wire::did::kAdoption, read<&Identifiers::adoption>},
+      Row{wire::did::kSettledRest, read<&Identifiers::settled_rest>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
       Row{wire::did::kBoardHealth, read<&Identifiers::health>},
       Row{wire::did::kCrash, read<&Identifiers::crash>},
@@ -211,18 +212,28 @@ wire::SamplingSetting Identifiers::sampling() const {
   return {parts_.sampling.decimation, parts_.sampling.every, parts_.output, parts_.sampling.timing};
 }
 
+const PlaceOffsets& Identifiers::offsets_of(std::size_t row) const {
+  const layout::ModuleRow& r = parts_.tables.table().modules[row];
+  return parts_.offsets[static_cast<std::size_t>(r.line * layout::kAddressesPerLine + r.address)];
+}
+
 wire::Offsets Identifiers::offsets() const {
   wire::Offsets o;
   o.count = rows();
   if (o.count > 0) o.positive_input = parts_.tables.table().positive_input;
   for (std::size_t k = 0; k < o.count; ++k) {
-    const layout::ModuleRow& row = parts_.tables.table().modules[k];
-    const PlaceOffsets& p =
-        parts_.offsets[static_cast<std::size_t>(row.line * layout::kAddressesPerLine + row.address)];
+    const PlaceOffsets& p = offsets_of(k);
     o.searches += p.searches;
     o.modules[k] = {p.state, p.latching, p.outside, p.steps};
   }
   return o;
+}
+
+wire::SettledRest Identifiers::settled_rest() const {
+  wire::SettledRest r;
+  r.count = rows();
+  for (std::size_t k = 0; k < r.count; ++k) r.modules[k] = offsets_of(k).rest;
+  return r;
 }
 
 wire::LiveTaxels Identifiers::live_taxels() const {

@@ -21,11 +21,11 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
   (void)f.flash(options);
   f.bus().listen(f.bus().now_us() + 1'000'000);
   EXPECT_TRUE(f.verify(false).findings.empty());
-  const auto patches = read_offsets(f.bus(), f.design());
+  const auto patches = session::read_offsets(f.bus(), f.design());
   ASSERT_EQ(patches.size(), 2U);
   EXPECT_EQ(patches[0].offsets.count, 16);
   EXPECT_EQ(patches[1].modules.size(), 4U);
-  for (const PatchOffsets& p : patches) {
+  for (const session::PatchOffsets& p : patches) {
     EXPECT_EQ(p.offsets.positive_input, GetParam());
     for (const wire::ModuleOffsets& m : p.offsets.rows()) {
       EXPECT_EQ(m.state, wire::OffsetState::kFound);
@@ -63,13 +63,31 @@ TEST(OffsetReport, NamesTheTaxelThatNoOffsetReaches) {
   Fixture f(3, 16, {shorted});
   (void)f.flash();
   f.bus().listen(f.bus().now_us() + 1'500'000);
-  const auto patches = read_offsets(f.bus(), f.design());
+  const auto patches = session::read_offsets(f.bus(), f.design());
   ASSERT_EQ(patches.size(), 1U);
   EXPECT_EQ(patches[0].offsets.modules[2].state, wire::OffsetState::kOutside);
   EXPECT_EQ(patches[0].offsets.modules[2].outside, 1U << 9);
   ASSERT_EQ(describe(patches[0]).size(), 2U);
   EXPECT_NE(describe(patches[0])[1].find("module 2: no offset brings taxel 9"), std::string::npos)
       << describe(patches[0])[1];
+}
+
+// Taxel 3 rests 9,300 counts above the end of its range at the last offset, taxel 9 at the end of its range.
+TEST(OffsetReport, TellsRestingOffTheMiddleFromAnEndOfTheRange) {
+  session::PatchOffsets p{layout::PatchIndex{0}, {layout::ModuleId{4}}, {}, {}, {}};
+  p.offsets.count = p.rest.count = 1;
+  p.offsets.modules[0].state = wire::OffsetState::kOutside;
+  p.offsets.modules[0].outside = 1U << 3 | 1U << 9;
+  p.offsets.modules[0].steps[3] = wire::kMaxOffset;
+  p.rest.modules[0].fill(32'768);
+  p.rest.modules[0][3] = 9'300;
+  p.rest.modules[0][9] = 0xFFFF;
+  const std::vector<std::string> lines = describe(p);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[1], "module 4: no offset brings taxel 9 (offset 0.00 pF) into its range: electrode shorted or open");
+  EXPECT_NE(lines[2].find("taxel 3 (9300 counts of range left for pressure, offset 20.16 pF); not pressed"),
+            std::string::npos)
+      << lines[2];
 }
 
 TEST(OffsetReport, SearchesAnewOnRequest) {

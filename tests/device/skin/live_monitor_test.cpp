@@ -8,10 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
 #include "support/strip_design.hpp"
+#include "triskin/layout/rest.hpp"
 #include "triskin/skin/taxel_trace.hpp"
 
 namespace triskin::skin {
@@ -39,9 +41,17 @@ void feed(skin::TouchMap& map, const session::ModuleSample& f) {
   for (std::size_t k = 0; k < skin::TouchMap::kRestSamples; ++k) map.add(f);
 }
 
+// The controllers settled all offsets at this value.
+design::RestValues settled_at(std::size_t modules, double counts) {
+  design::RestValues settled(modules);
+  for (auto& module : settled) module.fill(counts);
+  return settled;
+}
+
 TEST(TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
+  map.settle(settled_at(2, layout::kRestCounts));
   feed(map, frame(0, layout::kRestCounts, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
   EXPECT_EQ(map.pressed()[0].taxel, kPad);
@@ -50,16 +60,21 @@ TEST(TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
   EXPECT_TRUE(map.pressed().empty());
 }
 
-// The taxel rests 700 counts below the middle, which nobody could know while an object lay on it.
+// The taxel has moved down by 150 counts since its offset was settled, which nobody could know while an object lay on
+// it.
 TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
+  constexpr double kNow = layout::kRestCounts - 150;
   const design::Design design = strip(2);
   skin::TouchMap map(design);
-  feed(map, frame(0, layout::kRestCounts - 700, 4'000));
+  design::RestValues settled = settled_at(2, kNow);
+  settled[0][kPad] = layout::kRestCounts;
+  map.settle(settled);
+  feed(map, frame(0, kNow, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
-  map.add(frame(0, layout::kRestCounts - 700, 500));  // The object is being lifted.
-  feed(map, frame(0, layout::kRestCounts - 700, 0));
+  map.add(frame(0, kNow, 100));  // The object is being lifted.
+  feed(map, frame(0, kNow, 0));
   EXPECT_TRUE(map.pressed().empty());
-  feed(map, frame(0, layout::kRestCounts - 700, 4'000));
+  feed(map, frame(0, kNow, 4'000));
   ASSERT_EQ(map.pressed().size(), 1U);
   EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 4'000);
 }
@@ -100,11 +115,51 @@ TEST(TouchMap, a_light_touch_within_the_band_ends_without_a_ghost) {
   EXPECT_EQ(map.pressed().size(), 1U);
 }
 
+// No offset of this chip cancels the electrode of one taxel: it rests 8,600 counts below the middle, where another one
+// would be pressed hard. Both are told apart by what the controller said, and a touch of each shows in full.
+TEST(TouchMap, a_taxel_that_rests_off_the_middle_is_not_pressed) {
+  const design::Design design = strip(2);
+  skin::TouchMap map(design);
+  design::RestValues settled = settled_at(2, layout::kRestCounts);
+  settled[0][kPad] -= 8'600;
+  map.settle(settled);
+  feed(map, frame(0, layout::kRestCounts, 8'600));
+  feed(map, frame(1, layout::kRestCounts, 8'600));
+  ASSERT_EQ(map.pressed().size(), 1U);
+  EXPECT_EQ(map.pressed()[0].module, 1);
+  map.add(frame(0, layout::kRestCounts, 8'600 + 300));
+  ASSERT_EQ(map.pressed().size(), 2U);
+  EXPECT_DOUBLE_EQ(map.pressed()[1].change_counts, 300);
+}
+
+// The controller was still searching when it was asked, so the first values are those with the settled offsets.
+TEST(TouchMap, without_a_word_from_the_controller_the_first_values_are_rest) {
+  const design::Design design = strip(1);
+  skin::TouchMap map(design);
+  map.settle(settled_at(1, std::numeric_limits<double>::quiet_NaN()));
+  feed(map, frame(0, layout::kRestCounts, 8'600));
+  EXPECT_TRUE(map.pressed().empty());
+  map.add(frame(0, layout::kRestCounts, 8'600 + 300));
+  ASSERT_EQ(map.pressed().size(), 1U);
+}
+
+// All pads have lost 700 counts to warmth since the offsets were settled; a finger of 300 counts came before the
+// program.
+TEST(TouchMap, warmth_since_the_offsets_were_settled_is_no_contact) {
+  const design::Design design = strip(1);
+  skin::TouchMap map(design);
+  map.settle(settled_at(1, layout::kRestCounts));
+  feed(map, frame(0, layout::kRestCounts - 700, 300));
+  ASSERT_EQ(map.pressed().size(), 1U);
+  EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 300);
+}
+
 TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   const design::Design design = strip(2);
   skin::TouchMap map(design);
+  map.settle(settled_at(2, layout::kRestCounts));
   feed(map, frame(0, 20'000, 0));
-  EXPECT_EQ(map.pressed().size(), static_cast<std::size_t>(layout::kPressureTaxelsPerModule));
+  EXPECT_TRUE(map.pressed().empty()) << "the pads as well: warmth";
   map.tare();
   map.add(frame(0, 20'000, 0));
   EXPECT_FALSE(map.tared());
@@ -118,14 +173,15 @@ TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   EXPECT_DOUBLE_EQ(next.pressed()[0].change_counts, 300);
 }
 
-// Two covers of a robot are in one map: one was tared, the other rests as its design says.
-TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
+// Two covers of a robot are in one map: one was tared, of the other the controllers say where it rests.
+TEST(TouchMap, rest_values_of_some_modules_leave_the_others_alone) {
   const design::Design design = strip(3);
   skin::TouchMap map(design);
+  map.settle(settled_at(3, layout::kRestCounts));
   design::RestValues tared(2);
   for (auto& module : tared) module.fill(20'000);
   map.set_rest(tared, layout::ModuleId{1});
-  for (int m = 0; m < 3; ++m) feed(map, frame(m, m == 0 ? layout::kRestCounts : 20'000, 400));
+  for (int m = 0; m < 3; ++m) feed(map, frame(m, m == 0 ? layout::kRestCounts : 20'000, m == 0 ? 150 : 400));
   ASSERT_EQ(map.pressed().size(), 2U);
   for (const skin::PressedTaxel& p : map.pressed()) EXPECT_GT(p.module, 0);
   feed(map, frame(0, layout::kRestCounts, 0));
@@ -137,6 +193,7 @@ TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
 TEST(LiveMonitor, draws_the_patch_in_its_shape) {
   const design::Design design = strip(4);
   LiveMonitor monitor(design);
+  monitor.touches().settle(settled_at(design.layout.modules.size(), layout::kRestCounts));
   // A strip is one row of up, down, up, down.
   EXPECT_THAT(monitor.picture(layout::PatchIndex{0}, skin::PressureUnit::kCounts, false),
               ElementsAre("▲  -- ▼  -- ▲  -- ▼  -- "));
@@ -165,6 +222,7 @@ TEST(LiveMonitor, has_a_colour_for_each_strength) {
 TEST(LiveMonitor, shows_numbers_of_modules_in_their_cells) {
   const design::Design design = strip(3);
   LiveMonitor monitor(design);
+  monitor.touches().settle(settled_at(design.layout.modules.size(), layout::kRestCounts));
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   constexpr layout::PatchIndex kPatch{0};
   EXPECT_THAT(monitor.picture(kPatch, skin::PressureUnit::kModule, false), ElementsAre("▲   0 ▼   1 ▲   2 "));
@@ -237,6 +295,7 @@ std::size_t columns_of(const std::string& line) {
 TEST(LiveMonitor, a_picture_fits_the_width) {
   const design::Design design = strip(16);
   LiveMonitor monitor(design);
+  monitor.touches().settle(settled_at(design.layout.modules.size(), layout::kRestCounts));
   for (int k = 0; k < 3; ++k) monitor.add(frame(2, layout::kRestCounts, 8'000));
   // Sixteen cells take 96 characters with spaces, 80 without, 32 with one digit per cell.
   const auto line = [&](int columns) {

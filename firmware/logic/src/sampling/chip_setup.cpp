@@ -16,6 +16,7 @@ ChipSetup::Next ChipSetup::on_identity(std::uint16_t device_id, PlaceOffsets& pl
   }
   place.device_id = device_id;
   place.state = wire::OffsetState::kSearching;
+  place.rest = {};
   return enter(single_ ? State::kUsed : State::kOther, Next::kConfigure);
 }
 
@@ -41,7 +42,7 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
       }
       if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
       if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
-      settle(place);
+      settle(results, place);
       return enter(State::kRun, Next::kUse);
 
     case State::kShifted:
@@ -52,7 +53,7 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
     case State::kLatching:
       latch_.compare(before_, results);
       if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
-      settle(place);
+      settle(results, place);
       return enter(State::kRun, Next::kSkip);
 
     case State::kFind:
@@ -75,7 +76,9 @@ Ad7147::Stages ChipSetup::stages() const {
 }
 
 // One chip answers and its offsets are final.
-void ChipSetup::settle(PlaceOffsets& place) const {
+void ChipSetup::settle(const ad7147::Results& results, PlaceOffsets& place) const {
+  for (std::size_t t = 0; t < results.size(); ++t)
+    place.rest[t] = static_cast<std::uint16_t>(positive_ ? ~results[t] : results[t]);  // pressure lowers it
   place.outside = offsets_.outside();
   place.latching = latch_.latching();
   if (!place.known || place.steps != offsets_.offsets()) {

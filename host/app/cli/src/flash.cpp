@@ -20,10 +20,10 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/deploy/firmware_update.hpp"
-#include "triskin/diagnose/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/session/patch_offsets.hpp"
 #include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli::flash_command {
@@ -59,7 +59,7 @@ std::string what_happened(const deploy::FlashResult::Patch& p, bool dry_run) {
   return fmt::format("{} written and read back{}", counted(p.bytes, "byte"), address);
 }
 
-bool settled(const diagnose::PatchOffsets& patch) {
+bool settled(const session::PatchOffsets& patch) {
   return std::ranges::none_of(patch.offsets.rows(), [](const wire::ModuleOffsets& m) {
     return m.state == wire::OffsetState::kNone || m.state == wire::OffsetState::kSearching;
   });
@@ -70,7 +70,7 @@ bool settled(const diagnose::PatchOffsets& patch) {
 void wait_for_offsets(session::Bus& bus, const design::Design& design) {
   constexpr std::uint64_t kMaxWait_us = 1'500'000, kPause_us = 100'000;
   const std::uint64_t end_us = bus.now_us() + kMaxWait_us;
-  while (bus.now_us() < end_us && !std::ranges::all_of(diagnose::read_offsets(bus, design), settled))
+  while (bus.now_us() < end_us && !std::ranges::all_of(session::read_offsets(bus, design), settled))
     bus.listen(bus.now_us() + kPause_us);
 }
 

@@ -19,7 +19,7 @@ bool is_starting(const wire::Offsets& offsets) {
 
 nlohmann::json read_offset_lines(session::Bus& bus, const design::Design& design, std::vector<std::string>& lines) {
   nlohmann::json list = nlohmann::json::array();
-  for (const diagnose::PatchOffsets& p : diagnose::read_offsets(bus, design)) {
+  for (const session::PatchOffsets& p : session::read_offsets(bus, design)) {
     // A controller that has just started has no offsets to report yet.
     if (!is_starting(p.offsets)) std::ranges::move(diagnose::describe(p), std::back_inserter(lines));
     for (std::size_t row = 0; row < p.modules.size(); ++row) {

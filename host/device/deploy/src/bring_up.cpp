@@ -213,8 +213,8 @@ class Session {
     std::string found = fmt::format(
         "{} of {} stream, at least {:.1f} samples/s each, {} lost, noise at most {:.2f} counts RMS{}", rest.size(),
         counted(design_.layout.modules.size(), "module"), min_rate, lost_, worst_noise, outside);
-    for (const diagnose::PatchOffsets& p : diagnose::read_offsets(*bus_, design_)) {
-      for (const std::string& line : describe(p)) found += "; " + line;
+    for (const session::PatchOffsets& p : session::read_offsets(*bus_, design_)) {
+      for (const std::string& line : diagnose::describe(p)) found += "; " + line;
     }
     const bool good = rest.size() == design_.layout.modules.size() && outside.empty() && worst_noise < kMaxNoise;
     return good ? passed(found) : failed(found);

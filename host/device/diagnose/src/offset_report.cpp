@@ -2,50 +2,16 @@
 #include "triskin/diagnose/offset_report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 
 #include "triskin/base/counted.hpp"
-#include "triskin/session/address_users.hpp"
-#include "triskin/session/controller.hpp"
-#include "triskin/session/patch_table.hpp"
-#include "triskin/wire/uds.hpp"
 
 namespace triskin::diagnose {
-namespace {
 
+using session::PatchOffsets;
 using wire::OffsetState;
-
-std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
-  std::string text;
-  for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
-    if ((mask >> t & 1) == 0) continue;
-    text += fmt::format("{}{} (offset {:.2f} pF)", text.empty() ? "" : ", ", t, m.steps[t] * wire::kOffsetStep_pF);
-  }
-  return text;
-}
-
-}  // namespace
-
-std::vector<PatchOffsets> read_offsets(session::Bus& bus, const design::Design& design) {
-  std::vector<PatchOffsets> all;
-  for (const std::uint8_t node : session::lone_addresses(bus.discover())) {
-    const layout::PatchIndex patch = design::patch_at(design, layout::NodeAddress{node});
-    if (patch < 0) continue;
-    session::Controller c(bus, node);
-    if (c.active_table().design_id != design.design_id) continue;
-    try {
-      PatchOffsets p{patch, {}, c.offsets()};
-      const layout::PatchImage image = session::image_of(design, patch);
-      for (const layout::ModuleRow& row : image.rows()) p.modules.push_back(session::module_of(design, row));
-      if (p.modules.size() == p.offsets.count) all.push_back(std::move(p));
-    } catch (const session::Refused& e) {
-      if (e.code() != wire::nrc::kOutOfRange) throw;
-    }
-  }
-  return all;
-}
 
 namespace {
 
@@ -69,12 +35,25 @@ std::vector<std::string> describe(const PatchOffsets& patch) {
   std::vector<std::string> lines{sum_text(patch)};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
-    if (m.state == OffsetState::kOutside) {
-      lines.push_back(
-          fmt::format("module {}: no offset brings taxel {} to the middle of its range: electrode shorted, open, or "
-                      "touched while the offsets were searched",
-                      patch.modules[row], taxels_in(m.outside, m)));
+    if (m.state != OffsetState::kOutside) continue;
+    std::vector<std::string> at_end, off_middle;
+    for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+      if ((m.outside >> t & 1) == 0) continue;
+      const int rest = patch.rest.modules[row][t];
+      const std::string offset = fmt::format("offset {:.2f} pF", m.steps[t] * wire::kOffsetStep_pF);
+      if (rest == 0 || rest == 0xFFFF)
+        at_end.push_back(fmt::format("{} ({})", t, offset));
+      else
+        off_middle.push_back(fmt::format("{} ({} counts of range left for pressure, {})", t, rest, offset));
     }
+    if (!at_end.empty())
+      lines.push_back(fmt::format("module {}: no offset brings taxel {} into its range: electrode shorted or open",
+                                  patch.modules[row], fmt::join(at_end, ", ")));
+    if (!off_middle.empty())
+      lines.push_back(
+          fmt::format("module {}: rests off the middle of the range: taxel {}; not pressed: its electrode is "
+                      "beyond the offsets, or was touched while they were searched",
+                      patch.modules[row], fmt::join(off_middle, ", ")));
   }
   return lines;
 }

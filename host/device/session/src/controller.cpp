@@ -287,6 +287,10 @@ wire::Offsets Controller::offsets() {
   return value<wire::Offsets>("offsets");
 }
 
+wire::SettledRest Controller::settled_rest() {
+  return value<wire::SettledRest>("rest values");
+}
+
 wire::Offsets Controller::search_offsets() {
   (void)run_routine<wire::OffsetResult>(50'000, 100, "offsets");
   return offsets();

@@ -12,6 +12,7 @@
 #include "triskin/base/wall_clock.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/layout/rest.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"

@@ -8,6 +8,7 @@
 #include "triskin/base/pace.hpp"
 #include "triskin/base/wall_clock.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/session/patch_offsets.hpp"
 #include "triskin/session/stream.hpp"
 #include "triskin/skin/live_skin.hpp"
 
@@ -51,7 +52,11 @@ std::uint64_t LiveBus::unix_ns(std::uint64_t link_us) const {
 
 void LiveBus::find_controllers(RestSource rest) {
   claims_ = bus_->discover();
-  for (LiveCover& cover : covers_) cover.set_rest(claims_, rest);
+  for (LiveCover& cover : covers_) {
+    cover.set_rest(claims_, rest);
+    if (rest != RestSource::kPresent && cover.kept_rest().empty())
+      cover.settle(session::settled_rest(*bus_, cover.design(), claims_));
+  }
   discovered_ = discovered_ || rest != RestSource::kPresent;
 }
 

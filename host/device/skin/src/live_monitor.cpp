@@ -12,6 +12,8 @@
 #include <string_view>
 #include <utility>
 
+#include "triskin/layout/rest.hpp"
+
 namespace triskin::skin {
 namespace {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "triskin/layout/rest.hpp"
+
 namespace triskin::skin {
 
 std::optional<double> warming_counts(const wire::TaxelFrame& sample,
@@ -28,7 +30,7 @@ TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
 void TouchMap::set_rest(const design::RestValues& rest, layout::ModuleId first_module) {
   for (std::size_t m = 0; m < rest.size(); ++m) {
     Module& module = modules_.at(static_cast<std::size_t>(first_module) + m);
-    module.by_design = false;
+    module.tared = true;
     for (std::size_t t = 0; t < rest[m].size(); ++t) {
       Taxel& taxel = module.taxels[t];
       taxel.rest = taxel.now = rest[m][t];
@@ -37,9 +39,24 @@ void TouchMap::set_rest(const design::RestValues& rest, layout::ModuleId first_m
   }
 }
 
+// The pads have not felt a finger, so what they read then is their rest value.
+void TouchMap::settle(const design::RestValues& settled) {
+  for (std::size_t m = 0; m < settled.size(); ++m) {
+    Module& module = modules_.at(m);
+    if (module.tared) continue;
+    for (std::size_t t = 0; t < settled[m].size(); ++t) module.taxels[t].settled = settled[m][t];
+    for (const std::size_t t : layout::kTemperaturePads) {
+      Taxel& pad = module.taxels[t];
+      if (std::isnan(pad.settled)) continue;
+      pad.rest = pad.now = pad.settled;
+      pad.seen = kRestSamples;
+    }
+  }
+}
+
 // A value above the band can only be rest, because pressure lowers it.
-bool TouchMap::may_rest(double value) {
-  return value >= layout::kRestCounts - kRestBand_counts;
+bool TouchMap::may_rest(const Taxel& taxel, double value) {
+  return std::isnan(taxel.settled) || value >= taxel.settled - kRestBand_counts;
 }
 
 // Adds a value to the first ones; returns their median when there are enough of them. The median tolerates one sample
@@ -51,10 +68,10 @@ std::optional<double> TouchMap::collected(Taxel& taxel, double value) {
   return taxel.first[kRestSamples / 2];
 }
 
-void TouchMap::settle(const Module& module, Taxel& taxel, double median) {
-  const bool at_rest = !module.by_design || may_rest(median);
-  taxel.rest = at_rest ? median : layout::kRestCounts;
-  taxel.follows = module.by_design && at_rest;
+void TouchMap::take_first(const Module& module, Taxel& taxel, double median) {
+  const bool at_rest = module.tared || may_rest(taxel, median);
+  taxel.rest = at_rest ? median : taxel.settled;
+  taxel.follows = !module.tared && at_rest;
   taxel.awaited = !at_rest;
 }
 
@@ -62,10 +79,10 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
   if (taxel.seen < kRestSamples) {
     const auto median = collected(taxel, value);
     if (!median) return;
-    settle(module, taxel, *median);
+    take_first(module, taxel, *median);
   }
   taxel.now = value;
-  if (taxel.awaited && may_rest(value)) {
+  if (taxel.awaited && may_rest(taxel, value)) {
     taxel.awaited = false;
     taxel.follows = true;
     taxel.rest = value;
@@ -122,7 +139,7 @@ void TouchMap::add(const session::ModuleSample& frame) {
 void TouchMap::tare() {
   for (Module& module : modules_) {
     module = Module{};
-    module.by_design = false;
+    module.tared = true;
   }
 }
 

@@ -16,8 +16,9 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
                                kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kCalibration = 0xFD0D,
-                               kAdoption = 0xFD0E, kLiveTaxels = 0xFD10, kBoardHealth = 0xFD11, kCrash = 0xFD12,
-                               kLog = 0xFD13, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
+                               kAdoption = 0xFD0E, kSettledRest = 0xFD0F, kLiveTaxels = 0xFD10, kBoardHealth = 0xFD11,
+                               kCrash = 0xFD12, kLog = 0xFD13, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22,
+                               kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -40,7 +41,7 @@ struct Identifier {
   std::string_view value;   ///< The fields are listed in order with their bytes, little-endian unless stated otherwise.
 };
 
-inline constexpr std::array<Identifier, 27> kIdentifiers{{
+inline constexpr std::array<Identifier, 28> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\"; the last character is the kind of board"},
@@ -98,6 +99,9 @@ inline constexpr std::array<Identifier, 27> kIdentifiers{{
      "rows of the table (1), rows that it does not reach and offers to its neighbours (2, a bit each), number of the "
      "list of guests (1), then per module of another patch that it reads: row of the parent (1; from the number of "
      "rows on a guest before this one), the parent's port (1), the guest's port to it (1), 4 × line + address (1)"},
+    {did::kSettledRest, Access::kRead, 1, 385, "settled_rest.hpp",
+     "rows of the table (1), then per row what each taxel read when its offset was settled, in counts, pressure lowers "
+     "it (2 each; 0 before that)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},

@@ -17,6 +17,7 @@
 #include "triskin/wire/live_taxels.hpp"
 #include "triskin/wire/log.hpp"
 #include "triskin/wire/offsets.hpp"
+#include "triskin/wire/settled_rest.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
@@ -102,7 +103,9 @@ class Identifiers {
   [[nodiscard]] std::optional<wire::ImageState> image_state() const;
   [[nodiscard]] wire::SamplingSetting sampling() const;
   [[nodiscard]] wire::StreamAccount stream_account() const { return control_.stream_account(); }
+  [[nodiscard]] const PlaceOffsets& offsets_of(std::size_t row) const;
   [[nodiscard]] wire::Offsets offsets() const;
+  [[nodiscard]] wire::SettledRest settled_rest() const;
   [[nodiscard]] const wire::Adoption& adoption() const { return parts_.route.adoption(); }
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
   [[nodiscard]] std::optional<wire::BoardHealth> health() const;

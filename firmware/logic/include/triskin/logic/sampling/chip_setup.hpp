@@ -67,7 +67,7 @@ class ChipSetup {
     state_ = state;
     return next;
   }
-  void settle(PlaceOffsets& place) const;
+  void settle(const ad7147::Results& results, PlaceOffsets& place) const;
 
   State state_ = State::kFind;
   bool positive_ = false;

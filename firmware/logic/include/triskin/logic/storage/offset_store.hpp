@@ -22,6 +22,7 @@ struct PlaceOffsets {
   wire::OffsetState state = wire::OffsetState::kNone;
   wire::Latching latching = wire::Latching::kUnknown;
   std::uint16_t outside = 0;   ///< Bit t says that taxel t rests outside the middle third.
+  ad7147::Results rest{};      ///< as wire::SettledRest; 0 until the offsets are settled
   std::uint32_t searches = 0;  ///< Completed searches are counted from power-up.
 };
 /// The index is the place: kAddressesPerLine · line + address.

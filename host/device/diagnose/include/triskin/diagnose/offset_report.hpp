@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
-#include "triskin/design/design.hpp"
-#include "triskin/layout/index.hpp"
-#include "triskin/session/bus.hpp"
-#include "triskin/wire/offsets.hpp"
+#include "triskin/session/patch_offsets.hpp"
 
 namespace triskin::diagnose {
 
@@ -25,19 +23,8 @@ inline constexpr NameTable kLatchingNames{
                                                                 {wire::Latching::kEachStage, "each_stage"},
                                                                 {wire::Latching::kEndOfSequence, "end_of_sequence"}}}};
 
-/// The controller of a patch has found these offsets for its converters.
-struct PatchOffsets {
-  layout::PatchIndex patch;
-  std::vector<layout::ModuleId> modules;  ///< Each row has its module id in the design.
-  wire::Offsets offsets;
-};
-
-/// Asks every controller that has a table of the design; firmware 0.1 does not know offsets and is left out. Takes 0.2
-/// s. Throws Unreachable, and DeviceError for a malformed answer.
-[[nodiscard]] std::vector<PatchOffsets> read_offsets(session::Bus& bus, const design::Design& design);
-
-/// Returns a line for the patch, then one for each module with a taxel that rests outside the middle third of its
-/// range.
-[[nodiscard]] std::vector<std::string> describe(const PatchOffsets& patch);
+/// Returns a line for the patch, then lines for the taxels that rest outside the middle third of their range: how many
+/// counts are left for pressure, or that they are at its end.
+[[nodiscard]] std::vector<std::string> describe(const session::PatchOffsets& patch);
 
 }  // namespace triskin::diagnose

@@ -38,7 +38,7 @@ struct Summary {
   std::map<std::string, std::string> result;
   std::string design_text;       ///< The text is a copy of the design file.
   std::string calibration_text;  ///< The text is that of the calibration file; if it is empty, there are only counts.
-  std::string rest_text;  ///< The text is that of the file of rest values; if it is empty, the design's values apply.
+  std::string rest_text;  ///< The text is that of the file of rest values; if it is empty, the first values apply.
   /// Changes are in the order of the file; recordings before 0.2 have none.
   std::vector<ReaderChange> reader_changes;
   std::uint64_t samples = 0;                ///< Every sample of a module counts.

@@ -18,6 +18,7 @@
 #include "triskin/wire/log.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
+#include "triskin/wire/settled_rest.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
@@ -85,6 +86,8 @@ class Controller {
   void clear_faults();
   /// Reads the offsets of the converters, by row of the table.
   wire::Offsets offsets();
+  /// Reads what each taxel read when its offset was settled, by row of the table.
+  wire::SettledRest settled_rest();
   /// Lets the controller search all offsets again; returns when it has them. Takes about 1 s.
   wire::Offsets search_offsets();
   /// Reads the calibration stored with the table; empty if there is none, or if the firmware cannot store one.

@@ -34,9 +34,9 @@ struct LiveSample {
 
 /// A cover gets its rest values from one of these sources.
 enum class RestSource {
-  /// A tare or a calibration stored them on this computer for these controllers; otherwise the design's are used.
+  /// A tare or a calibration stored them on this computer for these controllers; otherwise as kNone.
   kKept,
-  kNone,     ///< The design's values are used until a tare.
+  kNone,     ///< Until a tare, the first values and the controllers say where the taxels rest (TouchMap).
   kPresent,  ///< The cover keeps the values that it has.
 };
 
@@ -59,6 +59,8 @@ class LiveCover {
   /// Sets the rest values for the controllers `claims` and discards calibration and samples; kPresent discards nothing.
   /// Throws InputError when the stored values are damaged.
   void set_rest(std::span<const wire::NodeClaim> claims, RestSource source);
+  /// Passes on what the controllers say of the rest (TouchMap::settle).
+  void settle(const design::RestValues& settled) { monitor_->touches().settle(settled); }
   /// Returns the stored rest values; empty if there were none.
   [[nodiscard]] const design::RestValues& kept_rest() const { return kept_rest_; }
   /// Stores the present rest values for the next start and returns their file. Throws InputError when it cannot be

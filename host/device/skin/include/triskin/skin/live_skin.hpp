@@ -72,7 +72,8 @@ class LiveBus {
   /// Converts a time of the link to calendar time, ns since 1970. The two clocks are compared when the link is opened.
   [[nodiscard]] std::uint64_t unix_ns(std::uint64_t link_us) const;
 
-  /// Finds the controllers and sets the rest values of all covers. Takes 0.12 s. Throws Unreachable, and InputError
+  /// Finds the controllers and sets the rest values of all covers; controllers whose covers have no stored ones are
+  /// asked. Takes 0.12 s. Throws Unreachable, and InputError
   /// when stored rest values are damaged.
   void find_controllers(RestSource rest = RestSource::kKept);
   /// Returns the controllers that answered find_controllers().
