@@ -20,7 +20,7 @@ enum class Gives {
   kOtherId,      // that of another revision, 0x1473
   kRest,         // twelve results at the input and with the offsets that were configured
   kFourFarther,  // the same with electrodes that have four steps more
-  kTwoChips,     // the same at the other input; at the used one 0x1000 counts less, alternating by taxel
+  kTwoChips,     // the same at the other input; at the used one 0, 1,024 or 2,048 counts less, in turn
   kMiddleNew,    // in mid-sequence: the results that the configured offsets give
   kMiddleOld,    // in mid-sequence: the results of the sequence before
 };
@@ -71,7 +71,7 @@ class ChipSetupWay : public testing::TestWithParam<Case> {
     }
     last_ = results_of(setup_.stages(), gives == Gives::kFourFarther ? 35 : 31);
     if (gives == Gives::kTwoChips && setup_.stages().polarity == Polarity::kNegative) {
-      for (std::size_t t = 0; t < last_.size(); t += 2) last_[t] = static_cast<std::uint16_t>(last_[t] - 0x1000);
+      for (std::size_t t = 0; t < last_.size(); ++t) last_[t] = static_cast<std::uint16_t>(last_[t] - 0x400 * (t % 3));
     }
     return setup_.on_results(last_, place_);
   }
@@ -91,76 +91,98 @@ TEST_P(ChipSetupWay, EachResultSaysWhatComesNext) {
   }
 }
 
-const std::vector<Step> kFirstTime{
-    {Gives::kId, Next::kConfigure, State::kOther},
-    {Gives::kRest, Next::kConfigure, State::kUsed},
-    {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+using Steps = std::vector<Step>;
+
+Steps joined(Steps first, const Steps& then) {
+  first.insert(first.end(), then.begin(), then.end());
+  return first;
+}
+
+const Steps kFound{{Gives::kId, Next::kConfigure, State::kSearch}, {Gives::kRest, Next::kConfigure, State::kOther}};
+// Two comparisons of both inputs.
+const Steps kCompared{{Gives::kRest, Next::kConfigure, State::kUsed},
+                      {Gives::kRest, Next::kConfigure, State::kOther},
+                      {Gives::kRest, Next::kConfigure, State::kUsed}};
+const Steps kLatching{
+    {Gives::kRest, Next::kConfigure, State::kShifted},
     {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
     {Gives::kMiddleNew, Next::kConfigureOffsets, State::kLatching},
     {Gives::kRest, Next::kSkip, State::kRun},
     {Gives::kRest, Next::kUse, State::kRun},
 };
 
-std::vector<Step> first_time_then(const std::vector<Step>& more) {
-  std::vector<Step> steps = kFirstTime;
-  steps.insert(steps.end(), more.begin(), more.end());
-  return steps;
+Steps first_time() {
+  return joined(joined(kFound, kCompared), kLatching);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Table, ChipSetupWay,
-    testing::Values(Case{"NewChip", kFirstTime},
-                    Case{"ElectrodesFourStepsFarther",
-                         {{Gives::kId, Next::kConfigure, State::kOther},
-                          {Gives::kFourFarther, Next::kConfigure, State::kOther},
-                          {Gives::kFourFarther, Next::kConfigure, State::kUsed},
-                          {Gives::kFourFarther, Next::kConfigureOffsets, State::kShifted}}},
-                    Case{"TwoChips",
-                         {{Gives::kId, Next::kConfigure, State::kOther},
-                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
-                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
-                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
-                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
-                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
-                          {Gives::kTwoChips, Next::kDuplicate, State::kFind},
-                          // One of them is taken away.
-                          {Gives::kId, Next::kConfigure, State::kOther},
-                          {Gives::kRest, Next::kConfigure, State::kUsed},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted}}},
-                    Case{"AFingerBetweenTheReadings",
-                         {{Gives::kId, Next::kConfigure, State::kOther},
-                          {Gives::kTwoChips, Next::kConfigure, State::kUsed},
-                          {Gives::kTwoChips, Next::kConfigure, State::kOther},
-                          {Gives::kRest, Next::kConfigure, State::kUsed},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted}}},
-                    Case{"NoReadingInMidSequence",  // Three attempts, then the usual way of latching is taken.
-                         {{Gives::kId, Next::kConfigure, State::kOther},
-                          {Gives::kRest, Next::kConfigure, State::kUsed},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
-                          {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
-                          {Gives::kRest, Next::kSkip, State::kRun}}},
-                    Case{"PowerDip",  // The chip is known to be single: its offsets are tried, and its readings count.
-                         first_time_then({{Gives::kId, Next::kConfigure, State::kUsed},
-                                          {Gives::kRest, Next::kUse, State::kRun}})},
-                    Case{"AnotherChip", first_time_then({{Gives::kOtherId, Next::kConfigure, State::kOther},
-                                                         {Gives::kRest, Next::kConfigure, State::kUsed},
-                                                         {Gives::kRest, Next::kUse, State::kRun}})}),
+    testing::Values(
+        Case{"NewChip", first_time()},
+        Case{"ElectrodesFourStepsFarther", joined(joined({{Gives::kId, Next::kConfigure, State::kSearch},
+                                                          {Gives::kFourFarther, Next::kConfigure, State::kSearch},
+                                                          {Gives::kFourFarther, Next::kConfigure, State::kOther}},
+                                                         kCompared),
+                                                  {{Gives::kFourFarther, Next::kConfigure, State::kShifted}})},
+        // The search makes up for the 2,048 counts by two steps, which do not change what the other input lacks.
+        Case{"TwoChips", joined(joined({{Gives::kId, Next::kConfigure, State::kSearch},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kSearch},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kOther},
+                                        {Gives::kTwoChips, Next::kConfigure, State::kUsed},
+                                        {Gives::kTwoChips, Next::kDuplicate, State::kFind}},
+                                       kFound),  // One of them is taken away.
+                                joined(kCompared, {{Gives::kRest, Next::kConfigure, State::kShifted}}))},
+        Case{"AFingerBetweenTheReadings", joined(joined(kFound, {{Gives::kRest, Next::kConfigure, State::kUsed},
+                                                                 {Gives::kTwoChips, Next::kConfigure, State::kOther}}),
+                                                 joined(kCompared, kLatching))},
+        Case{"NoReadingInMidSequence",  // Three attempts, then the usual way of latching is taken.
+             joined(joined(kFound, kCompared), {{Gives::kRest, Next::kConfigure, State::kShifted},
+                                                {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                                                {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+                                                {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                                                {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
+                                                {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
+                                                {Gives::kRest, Next::kSkip, State::kRun}})},
+        Case{"PowerDip",  // The chip is known to be single: its offsets are tried, and its readings count.
+             joined(first_time(),
+                    {{Gives::kId, Next::kConfigure, State::kSearch}, {Gives::kRest, Next::kUse, State::kRun}})},
+        Case{"AnotherChip", joined(joined(first_time(), {{Gives::kOtherId, Next::kConfigure, State::kSearch},
+                                                         {Gives::kRest, Next::kConfigure, State::kOther}}),
+                                   joined(kCompared, {{Gives::kRest, Next::kConfigure, State::kSearch},
+                                                      {Gives::kRest, Next::kUse, State::kRun}}))}),
     [](const testing::TestParamInfo<Case>& c) { return c.param.name; });
 
-// The input that is not used later comes first; the pads of installed iCub boards are on the positive one.
-TEST(ChipSetup, ReadsTheOtherInputFirst) {
+// Hands results for electrodes of 31 steps until the setup is in `state`.
+void rest_until(ChipSetup& setup, PlaceOffsets& place, State state) {
+  for (int reading = 0; reading < 8 && setup.state() != state; ++reading)
+    (void)setup.on_results(results_of(setup.stages(), 31), place);
+}
+
+// The pads of installed iCub boards are on the positive input.
+TEST(ChipSetup, ReadsTheOtherInputOnlyToTellOneChipFromTwo) {
   for (const bool positive : {false, true}) {
     ChipSetup setup;
     PlaceOffsets place;
     setup.begin(positive);
+    const Polarity used = positive ? Polarity::kPositive : Polarity::kNegative;
     (void)setup.on_identity(0x1472, place);
-    EXPECT_EQ(setup.stages().polarity, positive ? Polarity::kNegative : Polarity::kPositive);
-    (void)setup.on_results(results_of(setup.stages(), 31), place);
-    EXPECT_EQ(setup.stages().polarity, positive ? Polarity::kPositive : Polarity::kNegative);
+    EXPECT_EQ(setup.stages().polarity, used);
+    EXPECT_EQ(setup.stages().offsets[7], 31);
+    rest_until(setup, place, State::kOther);
+    EXPECT_NE(setup.stages().polarity, used);
+    EXPECT_EQ(setup.stages().offsets[7], 24);
+    rest_until(setup, place, State::kUsed);
+    EXPECT_EQ(setup.stages().polarity, used);
+    EXPECT_EQ(setup.stages().offsets[7], 24);
+    rest_until(setup, place, State::kOther);
+    EXPECT_EQ(setup.stages().offsets[7], 32);
+    rest_until(setup, place, State::kShifted);
+    EXPECT_EQ(setup.stages().polarity, used);
+    EXPECT_EQ(setup.stages().offsets[7], 31);
   }
 }
 
@@ -170,8 +192,7 @@ TEST(ChipSetup, ShiftsTheOffsetsOfTheFirstStagesToSeeWhenResultsChange) {
   PlaceOffsets place;
   setup.begin(false);
   (void)setup.on_identity(0x1472, place);
-  (void)setup.on_results(results_of(setup.stages(), 31), place);
-  (void)setup.on_results(results_of(setup.stages(), 31), place);
+  rest_until(setup, place, State::kShifted);
   ASSERT_EQ(setup.state(), State::kShifted);
   for (std::size_t s = 0; s < 12; ++s) EXPECT_EQ(setup.stages().offsets[s], s < 5 ? 27 : 31) << s;
   (void)setup.on_results(results_of(setup.stages(), 31), place);
@@ -184,8 +205,7 @@ TEST(ChipSetup, TellsWhenAChipShowsItsResultsAndKeepsItsOffsets) {
     PlaceOffsets place;
     setup.begin(false);
     (void)setup.on_identity(0x1472, place);
-    (void)setup.on_results(results_of(setup.stages(), 31), place);
-    (void)setup.on_results(results_of(setup.stages(), 31), place);
+    rest_until(setup, place, State::kShifted);
     const ad7147::Results shifted = results_of(setup.stages(), 31);
     (void)setup.on_results(shifted, place);
     setup.on_middle(at_end ? shifted : results_of(setup.stages(), 31));
@@ -207,7 +227,7 @@ TEST(ChipSetup, SaysWhatEachTaxelReadWhenItsOffsetWasSettled) {
     PlaceOffsets place;
     setup.begin(positive);
     (void)setup.on_identity(0x1472, place);
-    for (int k = 0; k < 3; ++k) (void)setup.on_results(results_of(setup.stages(), 31), place);
+    rest_until(setup, place, State::kLatching);
     EXPECT_EQ(place.rest, ad7147::Results{});
     setup.on_middle(results_of(setup.stages(), 31));
     ad7147::Results last = results_of(setup.stages(), 31);
@@ -231,7 +251,7 @@ TEST(ChipSetup, AKnownChipWithOtherElectrodesGetsOtherOffsets) {
   setup.take_up();
   setup.find();
   EXPECT_EQ(setup.on_identity(0x1472, place), Next::kConfigure);
-  ASSERT_EQ(setup.state(), State::kUsed);
+  ASSERT_EQ(setup.state(), State::kSearch);
   EXPECT_EQ(setup.stages().offsets[0], 13);
   EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kConfigure);
   EXPECT_EQ(setup.stages().offsets[0], 13 + 21);
@@ -252,7 +272,10 @@ TEST(ChipSetup, ForgetsWhatItWasToldToForget) {
   place.device_id = 0x1472;
   place.steps.fill(31);
   EXPECT_EQ(setup.on_identity(0x1472, place), Next::kConfigure);
+  EXPECT_EQ(setup.on_results(results_of(setup.stages(), 31), place), Next::kConfigure);
   EXPECT_EQ(setup.state(), State::kOther);
+  rest_until(setup, place, State::kLatching);
+  EXPECT_EQ(setup.state(), State::kLatching);
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ Array all(int value) {
   return array;
 }
 
-// Twelve different offsets, 20 … 42.
+// The four codes of the first comparison, three taxels each.
 Offsets spread() {
   Offsets offsets{};
-  for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = static_cast<std::uint8_t>(20 + 2 * t);
+  for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = static_cast<std::uint8_t>(8 + 16 * (t % 4));
   return offsets;
 }
 
@@ -51,44 +51,61 @@ TEST(DuplicateCheck, OneRealChipPasses) {
   // A zero error of −20 counts lowers both readings; 49 fF at the negative input are 200 counts.
   EXPECT_EQ(residual(o, [](std::size_t) { return -40.0; }), 0.0F);
   EXPECT_EQ(residual(o, [](std::size_t) { return -200.0; }), 0.0F);
-  // Steps of 1,311 counts that are a hundredth smaller at one input lack 13.11 a step; rounding leaves half a count.
-  EXPECT_LT(residual(o, [&](std::size_t t) { return -13.11 * o[t]; }), 0.5F);
-  // Steps of which each is larger than the one before, by 2 counts.
-  EXPECT_LT(residual(o, [&](std::size_t t) { return -1.0 * o[t] * o[t]; }), 0.5F);
+  // Steps of 1,311 counts that are a hundredth smaller at one input lack 13.11 a step; each code is off besides.
+  EXPECT_EQ(residual(o, [&](std::size_t t) { return -13.11 * o[t]; }), 0.0F);
+  EXPECT_EQ(residual(o, [](std::size_t t) { return t % 4 == 2 ? 130.0 : 0.0; }), 0.0F);
+}
+
+// Taxels with results of 0 … 11,000 counts at a gain that is 2 % larger at one input; rounding leaves half a count.
+TEST(DuplicateCheck, AChipWithUnequalGainsPasses) {
+  Results other{}, used{};
+  for (std::size_t t = 0; t < used.size(); ++t) {
+    const auto counts = static_cast<int>(1'000 * t);
+    other[t] = static_cast<std::uint16_t>(0x8000 - counts);
+    used[t] = static_cast<std::uint16_t>(0x8000 + counts + counts / 50);
+  }
+  EXPECT_LT(DuplicateCheck::residual_counts(other, used, all<Offsets>(24)), 0.5F);
+}
+
+TEST(DuplicateCheck, RoundsTheOffsetsToFiveCodes) {
+  const Offsets fitting{0, 7, 8, 15, 16, 23, 24, 31, 47, 48, 56, 63};
+  DuplicateCheck check;
+  EXPECT_EQ(check.offsets(fitting), (Offsets{8, 8, 8, 8, 24, 24, 24, 24, 40, 56, 56, 56}));
+  const auto same = all<Results>(0x8000);
+  EXPECT_EQ(check.compare(same, same, check.offsets(fitting)), Verdict::kUndecided);
+  EXPECT_EQ(check.offsets(fitting), (Offsets{0, 0, 16, 16, 16, 16, 32, 32, 48, 48, 63, 63}));
+  EXPECT_EQ(check.compare(same, same, check.offsets(fitting)), Verdict::kSingle);
 }
 
 // Chips at 0x9000 and 0x8FC0 (0x40 apart) read 0x8000 at the positive input (1001 0000 0000 0000 has no bit of
 // 1000 1111 1100 0000 but the highest). At the negative one they have 0x7000 and 0x7040, read 0x7000. The sum 0xF000
-// lacks 0x1000. Where the taxels of both rest alike nothing is lacking.
-TEST(DuplicateCheck, TheWiredAndOfTwoChipsFitsNoParabola) {
+// lacks 0x1000. Where the taxels of both rest alike nothing is lacking. Of five such taxels one does not count; four of
+// eleven leave a mean of −1489.5 and (4 · 2606.5 + 7 · 1489.5) / 10 = 2085.2.
+TEST(DuplicateCheck, TheWiredAndOfTwoChipsDiffersFromTaxelToTaxel) {
   static_assert((0x9000 & 0x8FC0) == 0x8000 && (0x7000 & 0x7040) == 0x7000);
-  DuplicateCheck check;
   auto positive = all<Results>(0x9000);
   for (const std::size_t t : {0U, 2U, 3U, 5U, 8U}) positive[t] = 0x8000;
-  EXPECT_EQ(check.compare(positive, all<Results>(0x7000), spread()), Verdict::kSuspected);
+  EXPECT_NEAR(DuplicateCheck::residual_counts(positive, all<Results>(0x7000), all<Offsets>(24)), 2085.2F, 0.1F);
 }
 
-// With equal offsets only the mean is taken away. Six of twelve sums deviate by 240 counts: the first of them does not
-// count, five of eleven leave a mean of 1200 / 11 = 109.1, and residuals of (5 · 130.9 + 6 · 109.1) / 11 = 119.0.
-// 244 counts instead leave 119.0 · 244 / 240 = 121.0.
-TEST(DuplicateCheck, SuspectsAboveAMeanResidualOf120Counts) {
+// Six of twelve sums deviate by `a` counts: the first of them does not count, five of eleven leave a mean of 5 a / 11,
+// and over ten comparisons (5 · 6 a / 11 + 6 · 5 a / 11) / 10 = 0.545 a. The results at the used input deviate as the
+// sums do, so a difference of the gains of 5 % explains a twentieth: 0.518 a. 77 counts leave 39.9, 78 leave 40.4.
+TEST(DuplicateCheck, SuspectsAboveAMeanResidualOf40Counts) {
   const auto six = [](double counts) { return [counts](std::size_t t) { return t % 2 == 0 ? counts : 0.0; }; };
-  EXPECT_NEAR(residual(all<Offsets>(31), six(240.0)), 119.0F, 0.1F);
-  EXPECT_NEAR(residual(all<Offsets>(31), six(244.0)), 121.0F, 0.1F);
-  DuplicateCheck check;
-  const auto other = all<Results>(0x9000);
-  EXPECT_EQ(check.compare(other, used_with(other, six(240.0)), all<Offsets>(31)), Verdict::kSingle);
-  EXPECT_EQ(check.compare(other, used_with(other, six(244.0)), all<Offsets>(31)), Verdict::kSuspected);
+  EXPECT_NEAR(residual(all<Offsets>(24), six(77.0)), 39.90F, 0.01F);
+  EXPECT_NEAR(residual(all<Offsets>(24), six(78.0)), 40.42F, 0.01F);
 }
 
-// Of eleven remaining taxels one has 3,000 counts: (2727.3 + 10 · 272.7) / 11 = 495.9.
+// Of eleven remaining taxels one has 3,000 counts: 0.95 · (2727.3 + 10 · 272.7) / 10 = 518.2.
 TEST(DuplicateCheck, OneTaxelMayBePressedOrStuck) {
-  EXPECT_EQ(residual(all<Offsets>(31), [](std::size_t t) { return t == 4 ? 3000.0 : 0.0; }), 0.0F);
-  EXPECT_NEAR(residual(all<Offsets>(31), [](std::size_t t) { return t == 4 || t == 9 ? 3000.0 : 0.0; }), 495.9F, 0.1F);
+  EXPECT_EQ(residual(all<Offsets>(24), [](std::size_t t) { return t == 4 ? 3000.0 : 0.0; }), 0.0F);
+  EXPECT_NEAR(residual(all<Offsets>(24), [](std::size_t t) { return t == 4 || t == 9 ? 3000.0 : 0.0; }), 518.2F, 0.1F);
 }
 
 // A taxel that is shorted to the shield is at opposite ends at the two inputs, where it says nothing; seven of them
-// leave too few. At the same end at both inputs only two chips can be, and one such taxel may be stuck.
+// leave five taxels with four codes, too few. At the same end at both inputs only two chips can be, and one such taxel
+// may be stuck.
 TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeSayLittle) {
   Results other = all<Results>(0x9000), used = all<Results>(0x7000);
   for (std::size_t t = 0; t < 7; ++t) {
@@ -106,31 +123,44 @@ TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeSayLittle) {
 
 Verdict compare(DuplicateCheck& check, bool two) {
   const auto other = all<Results>(0x9000);
-  const auto lacks = [two](std::size_t t) { return two && t % 2 == 0 ? -0x1000 : 0; };
+  const auto lacks = [two](std::size_t t) { return two && t < 6 ? -0x1000 : 0; };
   return check.compare(other, used_with(other, lacks), spread());
 }
 
 TEST(DuplicateCheck, IsCertainAfterThreeInARow) {
   DuplicateCheck check;
-  EXPECT_EQ(compare(check, true), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, true), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, false), Verdict::kSingle);  // A hand was lifted in between.
-  EXPECT_EQ(compare(check, true), Verdict::kSuspected);
-  EXPECT_EQ(compare(check, true), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, true), Verdict::kUndecided);
+  EXPECT_EQ(compare(check, true), Verdict::kUndecided);
+  EXPECT_EQ(compare(check, false), Verdict::kUndecided);  // A hand was lifted in between.
+  EXPECT_EQ(compare(check, false), Verdict::kSingle);
+  EXPECT_EQ(compare(check, true), Verdict::kUndecided);
+  EXPECT_EQ(compare(check, true), Verdict::kUndecided);
   EXPECT_EQ(compare(check, true), Verdict::kDuplicate);
 }
 
-TEST(DuplicateCheck, ADuplicateIsConfirmedByOneReading) {
+TEST(DuplicateCheck, TheSecondComparisonCountsAsTheFirst) {
+  DuplicateCheck check;
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_EQ(compare(check, false), Verdict::kUndecided);
+    EXPECT_EQ(compare(check, true), Verdict::kUndecided);
+  }
+  EXPECT_EQ(compare(check, false), Verdict::kUndecided);
+  EXPECT_EQ(compare(check, true), Verdict::kDuplicate);
+}
+
+TEST(DuplicateCheck, ADuplicateIsConfirmedByOneComparison) {
   DuplicateCheck check;
   for (int k = 0; k < 3; ++k) (void)compare(check, true);
   EXPECT_EQ(compare(check, true), Verdict::kDuplicate);
-  EXPECT_EQ(compare(check, false), Verdict::kSingle);  // The chip has the right straps now.
-  EXPECT_EQ(compare(check, true), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, false), Verdict::kUndecided);  // The chip has the right straps now.
+  EXPECT_EQ(compare(check, false), Verdict::kSingle);
+  EXPECT_EQ(compare(check, true), Verdict::kUndecided);
 }
 
 // A chip drawn from the ranges of docs/silicon.md, all at once: steps of 900 … 1,400 counts, those of the other input
 // up to a tenth off, each DAC bent by up to 5 % and each code off by up to 5 % of a step, zero error ± 200 counts,
-// path 0 … 400 counts with ± 20 from pin to pin, noise of twice the data sheet's 12 counts peak to peak.
+// path 0 … 400 counts with ± 20 from pin to pin, gains that differ by up to 2 %, a converter that is curved by up to
+// 50 counts at its ends, noise of twice the data sheet's 12 counts peak to peak.
 class DrawnChip {
  public:
   DrawnChip(std::mt19937& random, const std::array<double, 12>& electrodes) : random_(random), counts_(electrodes) {
@@ -140,15 +170,17 @@ class DrawnChip {
     zero_ = in(-200, 200);
     const double path = in(0, 400);
     for (double& p : path_) p = path + in(-20, 20);
+    gain_ = in(0.98, 1.02);
+    curve_ = in(-50, 50);
   }
   Results read(const Offsets& offsets, Ad7147::Polarity polarity) {
     const bool positive = polarity == Ad7147::Polarity::kPositive;
     Results r{};
     for (std::size_t t = 0; t < r.size(); ++t) {
       const double counts =
-          positive ? counts_[t] - positive_[offsets[t]] : -(counts_[t] + path_[t] - negative_[offsets[t]]);
-      r[t] =
-          static_cast<std::uint16_t>(std::clamp(std::lround(32768.0 + zero_ + counts + noise_(random_)), 0L, 65535L));
+          positive ? counts_[t] - positive_[offsets[t]] : -gain_ * (counts_[t] + path_[t] - negative_[offsets[t]]);
+      const double curved = 32768.0 + zero_ + counts + curve_ * std::pow(counts / 32768.0, 2.0);
+      r[t] = static_cast<std::uint16_t>(std::clamp(std::lround(curved + noise_(random_)), 0L, 65535L));
     }
     return r;
   }
@@ -165,7 +197,7 @@ class DrawnChip {
   std::mt19937& random_;
   std::array<double, 12> counts_, path_{};
   std::array<double, 64> positive_{}, negative_{};
-  double zero_ = 0.0;
+  double zero_ = 0.0, gain_ = 1.0, curve_ = 0.0;
   std::normal_distribution<double> noise_{0.0, 24.0 / 6.6};
 };
 
@@ -176,14 +208,23 @@ std::array<double, 12> electrodes(std::mt19937& random, double low_pf, double hi
   return counts;
 }
 
-// Searches the offsets at the positive input, as ChipSetup does, reads the negative one and judges.
+// Searches the offsets at the negative input, as ChipSetup does, and returns the larger residual of both comparisons.
 template <class Read>
 float judged(Read read) {
   OffsetSearch search;
   search.begin();
-  Results other = read(search.offsets(), Ad7147::Polarity::kPositive);
-  while (search.adjust(other, Ad7147::Polarity::kPositive)) other = read(search.offsets(), Ad7147::Polarity::kPositive);
-  return DuplicateCheck::residual_counts(other, read(search.offsets(), Ad7147::Polarity::kNegative), search.offsets());
+  while (search.adjust(read(search.offsets(), Ad7147::Polarity::kNegative), Ad7147::Polarity::kNegative)) {
+  }
+  DuplicateCheck check;
+  float larger = 0.0F;
+  for (int k = 0; k < DuplicateCheck::kComparisons; ++k) {
+    const Offsets offsets = check.offsets(search.offsets());
+    const Results other = read(offsets, Ad7147::Polarity::kPositive);
+    const float residual = DuplicateCheck::residual_counts(other, read(offsets, Ad7147::Polarity::kNegative), offsets);
+    larger = std::max(larger, residual);
+    (void)check.compare(all<Results>(0x8000), all<Results>(0x8000), offsets);  // goes to the next offsets
+  }
+  return larger;
 }
 
 constexpr int kDraws = 4000;
@@ -199,16 +240,14 @@ TEST(DuplicateCheck, NoneOf4000DrawnChipsIsRefused) {
   EXPECT_LT(largest, DuplicateCheck::kMaxResidual_counts);
 }
 
-// Electrodes of equal boards resemble each other: each within `alike_pf` of the other chip's. `alike_pf` of 14 is any.
-float smallest_of_two(double alike_pf, unsigned seed) {
+using Electrodes = std::array<double, 12>;
+
+float smallest_of_two(unsigned seed, auto first_electrodes, auto second_electrodes) {
   std::mt19937 random(seed);
   float smallest = INFINITY;
   for (int k = 0; k < kDraws; ++k) {
-    const auto first = electrodes(random, 2.0, 16.0);
-    auto second = electrodes(random, -alike_pf, alike_pf);
-    for (std::size_t t = 0; t < second.size(); ++t)
-      second[t] = std::clamp(first[t] + second[t], 4096.0 * 2.0, 4096.0 * 16.0);
-    DrawnChip a(random, first), b(random, second);
+    const Electrodes first = first_electrodes(random);
+    DrawnChip a(random, first), b(random, second_electrodes(random, first));
     smallest = std::min(smallest, judged([&](const Offsets& o, Ad7147::Polarity p) {
                           Results r = a.read(o, p);
                           const Results other = b.read(o, p);
@@ -219,12 +258,43 @@ float smallest_of_two(double alike_pf, unsigned seed) {
   return smallest;
 }
 
+Electrodes any_electrodes(std::mt19937& random) {
+  return electrodes(random, 2.0, 16.0);
+}
+
+// Electrodes of equal boards resemble each other: each within `alike_pf` of the other chip's. 14 pF is any.
 TEST(DuplicateCheck, EachOf4000DrawnPairsIsFound) {
-  for (const double alike_pf : {14.0, 1.0, 0.244}) {
-    const float smallest = smallest_of_two(alike_pf, 7);
+  for (const double alike_pf : {14.0, 1.0, 0.1}) {
+    const float smallest = smallest_of_two(7, any_electrodes, [&](std::mt19937& random, const Electrodes& first) {
+      Electrodes second = electrodes(random, -alike_pf, alike_pf);
+      for (std::size_t t = 0; t < second.size(); ++t)
+        second[t] = std::clamp(first[t] + second[t], 4096.0 * 2.0, 4096.0 * 16.0);
+      return second;
+    });
     RecordProperty("smallest_residual_within_" + std::to_string(alike_pf) + "_pf", std::to_string(smallest));
-    EXPECT_GT(smallest, DuplicateCheck::kMaxResidual_counts) << "electrodes within " << alike_pf << " pF";
+    EXPECT_GT(smallest, 3.0F * DuplicateCheck::kMaxResidual_counts) << "electrodes within " << alike_pf << " pF";
   }
+}
+
+// The hardest pair: all electrodes of both modules rest alike but for a constant difference of 95 fF, as on the bench
+// of tests/firmware/machine, where a parabola over the offsets left less than some single chips. All taxels have one
+// code or two then.
+TEST(DuplicateCheck, APairOfEqualElectrodesWithAConstantDifferenceIsFound) {
+  const float smallest = smallest_of_two(
+      11,
+      [](std::mt19937& random) {
+        Electrodes e{};
+        const double level = std::uniform_real_distribution<double>(8'000, 60'000)(random);
+        for (std::size_t t = 0; t < e.size(); ++t) e[t] = level - 31.0 * static_cast<double>(t);
+        return e;
+      },
+      [](std::mt19937&, const Electrodes& first) {
+        Electrodes second = first;
+        for (double& counts : second) counts -= 388.0;
+        return second;
+      });
+  RecordProperty("smallest_residual", std::to_string(smallest));
+  EXPECT_GT(smallest, DuplicateCheck::kMaxResidual_counts);
 }
 
 }  // namespace

@@ -38,8 +38,9 @@ struct Faults : testing::Test {
 TEST_F(Faults, NoneOnAHealthySkin) {
   start();
   expect_all_ok_but({}, ModuleState::kOk);
-  EXPECT_EQ(statistic(1), 0U);           // Bus errors are counted here.
-  EXPECT_EQ(chip(0).configurations, 4);  // Two measure the offset steps, one has the offsets, one is at the used input.
+  EXPECT_EQ(statistic(1), 0U);  // Bus errors are counted here.
+  // Three find the offsets, four tell one chip from two, one has shifted offsets.
+  EXPECT_EQ(chip(0).configurations, 8);
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
   EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // No fault was seen in the meantime.
 }

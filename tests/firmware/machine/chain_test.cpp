@@ -175,6 +175,7 @@ TEST_F(SwitchedBench, a_dead_module_is_left_out_and_comes_back_on_command) {
   EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
   run_for(150'000);
   EXPECT_EQ(route().alive, all_of(design));
+  run_for(kSetUp_us - 150'000);
   EXPECT_EQ(read_rows(), all_of(design));
   expect_no_violation();
 }

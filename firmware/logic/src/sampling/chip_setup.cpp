@@ -17,33 +17,35 @@ ChipSetup::Next ChipSetup::on_identity(std::uint16_t device_id, PlaceOffsets& pl
   place.device_id = device_id;
   place.state = wire::OffsetState::kSearching;
   place.rest = {};
-  return enter(single_ ? State::kUsed : State::kOther, Next::kConfigure);
+  return enter(State::kSearch, Next::kConfigure);
 }
 
 ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffsets& place) {
   switch (state_) {
-    case State::kOther:
+    case State::kSearch:
       if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
+      if (!single_) {
+        duplicates_.begin();
+        return enter(State::kOther, Next::kConfigure);
+      }
+      if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
+      settle(results, place);
+      return enter(State::kRun, Next::kUse);
+
+    case State::kOther:
       before_ = results;
       return enter(State::kUsed, Next::kConfigure);
 
     case State::kUsed:
-      if (!single_) {
-        switch (duplicates_.compare(before_, results, offsets_.offsets())) {
-          case DuplicateCheck::Verdict::kSuspected:
-            return enter(State::kOther, Next::kConfigure);
-          case DuplicateCheck::Verdict::kDuplicate:
-            return enter(State::kFind, Next::kDuplicate);
-          case DuplicateCheck::Verdict::kSingle:
-            single_ = true;
-            // The offset DAC of this input has other steps than that of the other one.
-            if (!place.known) offsets_.aim_for_middle();
-        }
+      switch (duplicates_.compare(before_, results, stages().offsets)) {
+        case DuplicateCheck::Verdict::kUndecided:
+          return enter(State::kOther, Next::kConfigure);
+        case DuplicateCheck::Verdict::kDuplicate:
+          return enter(State::kFind, Next::kDuplicate);
+        case DuplicateCheck::Verdict::kSingle:
+          single_ = true;
       }
-      if (offsets_.adjust(results, stages().polarity)) return Next::kConfigure;
-      if (latch_.wanted()) return enter(State::kShifted, Next::kConfigureOffsets);
-      settle(results, place);
-      return enter(State::kRun, Next::kUse);
+      return enter(latch_.wanted() ? State::kShifted : State::kSearch, Next::kConfigure);
 
     case State::kShifted:
       before_ = results;
@@ -63,12 +65,12 @@ ChipSetup::Next ChipSetup::on_results(const ad7147::Results& results, PlaceOffse
   return Next::kUse;
 }
 
-// The shift of the offsets is large enough to tell with which ones a result was converted, and small enough to keep it
-// in range.
 Ad7147::Stages ChipSetup::stages() const {
   const bool positive = (state_ == State::kOther) != positive_;
   Ad7147::Stages stages{positive ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative, offsets_.offsets()};
+  if (state_ == State::kOther || state_ == State::kUsed) stages.offsets = duplicates_.offsets(offsets_.offsets());
   if (state_ != State::kShifted) return stages;
+  // Large enough to tell with which offsets a result was converted, and small enough to keep it in range.
   constexpr std::uint8_t kShift = 4;
   for (std::uint8_t& o : std::span(stages.offsets).first(LatchProbe::kStages))
     o = static_cast<std::uint8_t>(o < kShift ? o + kShift : o - kShift);

@@ -63,7 +63,6 @@ bool OffsetSearch::adjust(const ad7147::Results& results, Ad7147::Polarity polar
   if (changed) return true;
   known_ = true;
   rounds_ = 0;
-  last_excess_.fill(kAtEnd);  // The next reading may be at the other input.
   return false;
 }
 

@@ -12,18 +12,18 @@ namespace triskin::fw {
 
 /// The way of one chip from an address to readings that count:
 ///
-///     find ── id ──▶ other ──▶ used ──▶ shifted ──▶ latching ──▶ run
+///     find ─ id ─▶ search ◀─▶ other ◀─▶ used ─▶ shifted ─▶ latching ─▶ run
 ///
-/// In `other` it is read at the input that is not used later, until the offsets fit; in `used` at the input that is
-/// used, which tells one chip from two. `shifted` and `latching` tell when the chip shows its results, once after
-/// power-up: it is read with other offsets in its first stages, then in mid-sequence and at the end with the final
-/// ones. A chip that was found to be single before goes from `find` to `used` at once.
+/// In `search` it is read at the input that is used until the offsets fit. `other` and `used` read both inputs with
+/// the offsets of DuplicateCheck, until it is known to be one chip. `shifted` and `latching` tell when the chip shows
+/// its results, once after power-up: it is read with other offsets in its first stages, then in mid-sequence and at the
+/// end with the final ones. A chip of which all this is known goes from `search` to `run` at once.
 ///
 /// A pure state machine: it makes no transfers and knows no time. It receives what a transfer gave and says which one
 /// is next.
 class ChipSetup {
  public:
-  enum class State : std::uint8_t { kFind, kOther, kUsed, kShifted, kLatching, kRun };
+  enum class State : std::uint8_t { kFind, kSearch, kOther, kUsed, kShifted, kLatching, kRun };
   enum class Next : std::uint8_t {
     kConfigure,         ///< write all stages(), restart the sequence and read the results at its end
     kConfigureOffsets,  ///< the same, but only the offsets of the first stages change

@@ -34,8 +34,6 @@ class OffsetSearch {
   void begin();
   /// Starts with offsets that were right before.
   void begin(const ad7147::Offsets& known);
-  /// Aims for the middle again, from the present offsets: the other input has an offset DAC of its own.
-  void aim_for_middle() { known_ = false; }
   /// Evaluates `results`, read with offsets() at the input `polarity`. Returns true if the offsets have changed and the
   /// chip must be configured and read again; false if they are final, and outside() tells which taxels could not be
   /// brought into the middle third. From then on the offsets count as known.
