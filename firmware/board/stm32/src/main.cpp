@@ -121,8 +121,9 @@ class Milestones {
  public:
   void look(std::uint64_t now_us) {
     if (!options_set_ && now_us > kSupplyStands_us) {
-      if ((triskin_budget.findings & kMendable) != 0) (void)set_options_of_a_board();
       options_set_ = true;
+      if ((triskin_budget.findings & kMendable) != 0 && survivor().options_written == 0)
+        survivor().options_written = set_options_of_a_board() ? 1 : 0;
     }
     if (!counted_ && now_us > kWorksWell_us) {
       survivor().crashes_in_row = 0;

@@ -25,6 +25,9 @@ struct Survivor {
   std::uint32_t uptime_ms;       ///< The application writes its uptime here once per second.
   wire::ClockState clock;        ///< The clock is the choice of start_clocks().
   wire::Crash crash;             ///< The last crash has the cause kNone if there was none.
+  /// Not 0: the option bytes were written since power-up. They count from the next one on, so their register shows the
+  /// old ones after each reset until then.
+  std::uint32_t options_written;
 };
 
 /// Returns the one in RAM. Before open_survivor() its contents are arbitrary.
