@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     check(triskin_read(skin, 0.1, samples.data(), samples.size(), &received));
     check(triskin_change_counts(skin, counts.data(), counts.size()));
     for (std::size_t k = 0; k < counts.size(); ++k) {
-      if (counts[k] < 200.0) continue;  // Less is noise.
+      if (counts[k] < 20.0) continue;  // The threshold of triskin live, about 2 kPa.
       std::printf("module %zu taxel %zu at (%.1f, %.1f, %.1f) mm: %.0f counts\n", k / TRISKIN_TAXELS,
                   k % TRISKIN_TAXELS, places_mm[3 * k], places_mm[3 * k + 1], places_mm[3 * k + 2], counts[k]);
     }
