@@ -16,6 +16,7 @@ MM = 25.4 / 72
 SIDE = 30.0
 TOLERANCE = 0.01
 MARGIN = 8.0
+SLIT = str(pathlib.Path(__file__).resolve().parents[3] / "docs/examples/scenes/forearm.json")  # cables that enter at a slit
 failures = 0
 
 
@@ -116,7 +117,7 @@ def number_in(page, polygon):
 
 
 def straps_in(page, polygon):
-    """Tells which pad is black in the upper row and in the lower."""
+    """Tells which pad is black in the upper row, and of which address those in the lower: ADD0L, ADD0H, ADD1L, ADD1H."""
     def pads(shapes):
         squares = [p for p in shapes if len(p) == 4 and all(abs(s - 2.0) < 0.02 for s in sides_of(p))]
         centers = [(sum(x for x, _ in p) / 4, sum(y for _, y in p) / 4) for p in squares]
@@ -127,12 +128,11 @@ def straps_in(page, polygon):
     for center, black in [(c, True) for c in closed] + [(c, False) for c in opened]:
         rows.setdefault(round(center[1], 1), []).append((center[0], black))
     expect(len(rows) == 2 and all(len(r) == 4 for r in rows.values()), f"pads stand as {rows}")
-    chosen = []
-    for y in sorted(rows):
-        black = [k for k, (_, is_black) in enumerate(sorted(rows[y])) if is_black]
-        expect(len(black) == 1, f"black pads {black}")
-        chosen.append(black[0] if black else -1)
-    return chosen
+    line, bridges = [[k for k, (_, is_black) in enumerate(sorted(rows[y])) if is_black] for y in sorted(rows)]
+    expect(len(line) == 1, f"black pads {line}")
+    addresses = [a for a in range(4) if bridges == [a & 1, 2 + (a >> 1)]]
+    expect(len(addresses) == 1, f"black pads {bridges}")
+    return (line + [-1])[0], (addresses + [-1])[0]
 
 
 def input_side(page, module, polygon, cut):
@@ -205,12 +205,14 @@ def check_points(pages):
             expect(not near, f"page {number}: {text} is written over {near}")
 
 
-def check_cable_names(pages):
-    """The name of a cable stands inside the drawing, which ends at the margins."""
+def check_cable_names(pages, cut):
+    """The name of a cable stands inside the drawing, which ends at the margins, and beside modules, not over them."""
     for number, page in enumerate(pages, 1):
         names = [(text, at) for text, at, size in page.texts if "cable C" in text and abs(size - 2.6) < 0.1]
+        modules = module_outlines(page, cut) if names else []
         for text, (x, y) in names:
             expect(x >= MARGIN and y >= MARGIN, f"page {number}: {text} begins at {x:.1f}, {y:.1f} mm")
+            expect(not any(inside((x, y), module) for module in modules), f"page {number}: {text} stands over a module")
 
 
 def check_rulers(pages):
@@ -250,7 +252,7 @@ def check(program, file, paper, folder):
     modules = check_modules(design, pages)
     check_tables(design, pages)
     check_points(pages)
-    check_cable_names(pages)
+    check_cable_names(pages, design.get("corner_cut_mm", 0))
     check_rulers(pages)
     if paper == "A4":  # they are the same on each paper
         check_codes(design, folder, pdf, len(pages))
@@ -280,7 +282,7 @@ def main():
             return 77
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for file in sys.argv[3:] or make_strips(sys.argv[2], folder):
+        for file in sys.argv[3:] or [*make_strips(sys.argv[2], folder), SLIT]:
             for paper in ("A4", "roll"):
                 check(sys.argv[1], file, paper, folder)
     return 1 if failures else 0

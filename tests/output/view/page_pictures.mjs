@@ -16,13 +16,13 @@ const MAX_SHARE = 0.01;
 
 const failureOf9 = () => { window.triskin.setMode(window.triskin.modes.findIndex((m) => m.name === "loss when it fails")); window.triskin.select(9, false); };
 const pressure = () => window.triskin.setMode(window.triskin.modes.findIndex((m) => m.name === "pressure"));
-/** @type {{name: string, design: string, size: [number, number], dark?: boolean, set?: () => void, scene?: string, at_ms?: number}[]} */
+/** @type {{name: string, design: string, size: [number, number], dark?: boolean, set?: () => void, switched?: boolean, scene?: string, at_ms?: number}[]} */
 const SITUATIONS = [
   {name: "box", design: path.join(HERE, "designs/box.json"), size: [1400, 900]},
   {name: "box_dark", design: path.join(HERE, "designs/box.json"), size: [1400, 900], dark: true},
   {name: "box_phone", design: path.join(HERE, "designs/box.json"), size: [390, 844]},
-  {name: "tube", design: path.join(HERE, "designs/tube.json"), size: [900, 600]},
-  {name: "tube_failure", design: path.join(HERE, "designs/tube.json"), size: [900, 600], set: failureOf9},
+  {name: "tube", design: path.join(HERE, "designs/tube.json"), size: [900, 600], switched: true},
+  {name: "tube_failure", design: path.join(HERE, "designs/tube.json"), size: [900, 600], set: failureOf9, switched: true},
   {name: "torso", design: path.join(EXAMPLES, "torso.json"), size: [1400, 900]},
   {name: "torso_at_rest", design: path.join(EXAMPLES, "torso.json"), size: [900, 600], set: pressure},
   {name: "forearm_recording", design: path.join(EXAMPLES, "forearm.json"), size: [1400, 900], scene: path.join(EXAMPLES, "grasp_forearm.json"), at_ms: 2500},
@@ -67,7 +67,7 @@ function writePage(situation, folder, triskin) {
     triskin("flash", situation.design, "--link", "sim");
     triskin("record", situation.design, "--link", "sim", "--scene", situation.scene, "-o", from, "--seconds", "3");
   }
-  triskin("export", from, "--format", "html", "-o", file);
+  triskin("export", from, "--format", "html", "-o", file, ...(situation.switched ? ["--switched"] : []));
   return file;
 }
 

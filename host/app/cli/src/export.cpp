@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "recorded_track.hpp"
+#include "shown_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/exports/icub_files.hpp"
@@ -25,6 +26,7 @@ namespace {
 struct Options {
   std::string design, format, output, body;
   sheet::Paper paper = sheet::Paper::kA4;
+  bool switched = false;
 };
 
 struct Format {
@@ -35,21 +37,25 @@ template <std::string (*write)(const design::Design&)>
 std::string plain(const design::Design& design, const Options& /*options*/) {
   return write(design);
 }
-std::string page(const design::Design& design) {
-  return view::page_html(design);
-}
 template <exports::MjcfTouch touch>
 std::string mjcf(const design::Design& design, const Options& options) {
   return exports::mjcf(design, touch, options.body);
 }
-template <std::string (*write)(const design::Design&, sheet::Paper)>
+template <std::string (*write)(const design::Design&, sheet::Paper, sheet::SheetModules)>
 std::string on_paper(const design::Design& design, const Options& options) {
-  return write(design, options.paper);
+  return write(design, options.paper,
+               options.switched ? sheet::SheetModules::kSwitched : sheet::SheetModules::kStrapped);
+}
+// Unlike the others, the page names the covers of a robot.
+std::string page(const design::Design& /*design*/, const Options& options) {
+  ShownDesign shown = read_shown_design(options.design, false);
+  shown.notes.has_switched_modules = options.switched;
+  return view::page_html(shown.design, {}, shown.notes);
 }
 const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<exports::picture_svg>}},
                                              {"taxels", {".taxels.csv", plain<exports::taxels_csv>}},
                                              {"modules", {".modules.obj", plain<exports::modules_obj>}},
-                                             {"html", {".html", plain<page>}},
+                                             {"html", {".html", page}},
                                              {"gltf", {".gltf", plain<exports::gltf>}},
                                              {"urdf", {".urdf", plain<exports::urdf>}},
                                              {"sdf", {".sdf", plain<exports::sdf>}},
@@ -104,7 +110,25 @@ std::string recorded_page(const Options& options, Output& output) {
         "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
   const RecordedTrack track = read_track(options.design, view::FrameTrack::kMaxInFile_bytes);
   if (!track.remark.empty()) output.say(track.remark);
-  return view::page_html(track.skin.design, track.frames);
+  view::Notes notes;
+  notes.counts_per_kpa = view::counts_per_kpa_of(track.skin.calibration);
+  return view::page_html(track.skin.design, track.frames, notes);
+}
+
+bool is_sheet(const Format& format) {
+  return std::string_view(format.suffix) == ".pdf" || std::string_view(format.suffix) == ".sheet.svg";
+}
+
+// A sheet is built from, so each cover of a robot has its own: NAME.COVER.pdf, with the numbers of its design.
+std::vector<std::string> write_sheets(const Options& options, const Format& format, const std::string& path) {
+  std::vector<std::string> files;
+  for (const design::Design& cover : read_covers(options.design)) {
+    const std::filesystem::path whole(path);
+    files.push_back(
+        (whole.parent_path() / (whole.stem().string() + "." + cover.name + whole.extension().string())).string());
+    write_output(files.back(), format.write(cover, options));
+  }
+  return files;
 }
 
 int run(const Options& options, Output& output) {
@@ -112,13 +136,17 @@ int run(const Options& options, Output& output) {
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;
+  std::vector<std::string> files{path};
   if (is_recording(options.design)) {
     write_output(path, recorded_page(options, output));
+  } else if (is_sheet(format) && robot::is_robot_file(options.design)) {
+    if (path == "-") throw InputError("export: a robot has a sheet for each cover; give -o a file");
+    files = write_sheets(options, format, path);
   } else {
     write_output(path, format.write(robot::read_shown(options.design), options));
   }
-  output.result = {{"files", {path}}};
-  output.say(path);
+  output.result = {{"files", files}};
+  for (const std::string& file : files) output.say(file);
   return 0;
 }
 
@@ -134,16 +162,16 @@ const Registration kExport{{
           ->required();
       std::vector<std::string> names;
       for (const auto& [name, format] : kFormats) names.push_back(name);
-      app.add_option("--format", options->format, "what to write; without it the extension of -o says so")
+      app.add_option("--format", options->format, "format (default: by the extension of -o)")
           ->check(CLI::IsMember(names));
-      app.add_option("-o,--output", options->output, "file; without it beside the design");
+      app.add_option("-o,--output", options->output, "output file (default: beside the design)");
       app.add_option("--body", options->body,
-                     "of the formats mjcf and mjcf-touch: body of the robot's model to which the cover is fixed; "
-                     "without it the world");
-      app.add_option("--paper", options->paper,
-                     "of the formats pdf and sheet-svg; roll: 610 mm wide, as long as needed")
+                     "mjcf, mjcf-touch: body of the robot's model that the cover is fixed to (default: the world)");
+      app.add_option("--paper", options->paper, "pdf, sheet-svg: paper size; roll: 610 mm wide, as long as needed")
           ->transform(one_of(papers()))
           ->default_str("A4");
+      app.add_flag("--switched", options->switched,
+                   "pdf, sheet-svg, html: the modules are switched and have second cables");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kDesign,

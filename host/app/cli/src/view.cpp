@@ -10,6 +10,7 @@
 #include "design_argument.hpp"
 #include "link_options.hpp"
 #include "recorded_track.hpp"
+#include "shown_design.hpp"
 #include "stream_options.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
@@ -43,37 +44,8 @@ void wait_for_interrupt() {
   while (!interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-// The page shows a design unchanged, or the covers of a robot in the frame of its base.
-struct Shown {
-  design::Design design;
-  std::vector<design::CoverOffset> offsets;
-  view::Notes notes{};
-};
-
-// Returns names and coverage of the covers of a robot.
-std::vector<view::CoverNote> covers_of(const robot::Assembly& assembly, std::span<const design::CoverOffset> offsets) {
-  std::vector<view::CoverNote> notes;
-  for (std::size_t c = 0; c < offsets.size(); ++c) {
-    const design::Design& d = assembly.designs[c];
-    notes.push_back({assembly.robot.covers[c].name, offsets[c].module, offsets[c].patch, offsets[c].island,
-                     static_cast<int>(d.layout.modules.size()), d.report.area_cm2, d.report.coverage});
-  }
-  return notes;
-}
-
-Shown shown_of(const std::string& file, bool has_link) {
-  if (robot::is_robot_file(file)) {
-    const robot::Assembly assembly = robot::read_assembly(file);
-    design::SideBySide joint = robot::in_base(assembly);
-    view::Notes notes;
-    notes.covers = covers_of(assembly, joint.offsets);
-    return {std::move(joint.design), std::move(joint.offsets), std::move(notes)};
-  }
-  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}, {}};
-}
-
 // Merges a design with an earlier one, so that the page can show them side by side.
-Shown compared(const Options& options, const std::string& file) {
+ShownDesign compared(const Options& options, const std::string& file) {
   if (robot::is_robot_file(file))
     throw InputError(fmt::format("{}: --compare takes two designs, and this is a robot file", file));
   if (options.link.chosen && options.link.link != "none")
@@ -140,7 +112,9 @@ int play(const Options& options, Output& output) {
   const std::size_t bytes = track.frames.size();
   const view::LatestSamples live(track.skin.design.layout.modules.size());
   catch_interrupts();
-  const view::Server server(view::site_of(track.skin.design, std::move(track.frames)), live, options.port,
+  view::Notes notes;
+  notes.counts_per_kpa = view::counts_per_kpa_of(track.skin.calibration);
+  const view::Server server(view::site_of(track.skin.design, std::move(track.frames), notes), live, options.port,
                             [](const view::Command&) {}, {});
   output.say(server.address());
   const auto browser = open_browser(options, server.address());
@@ -154,7 +128,8 @@ int run(const Options& options, Output& output) {
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
   const bool has_link = reads_skin(options, argument.path);
-  Shown shown = options.compare.empty() ? shown_of(argument.path, has_link) : compared(options, argument.path);
+  ShownDesign shown =
+      options.compare.empty() ? read_shown_design(argument.path, has_link) : compared(options, argument.path);
   shown.notes.has_live_skin = has_link;
   if (!options.findings.empty())
     shown.notes.findings =
@@ -167,6 +142,8 @@ int run(const Options& options, Output& output) {
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
   const design::SkinCalibration calibration = calibration_now(options, skin, output);
+  shown.notes.counts_per_kpa = view::counts_per_kpa_of(calibration);
+  shown.notes.has_switched_modules = options.link.switched;
   const view::Server server(view::site_of(shown.design, {}, shown.notes), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
@@ -174,6 +151,11 @@ int run(const Options& options, Output& output) {
   const auto browser = open_browser(options, address);
   skin::LiveTotals totals;
   if (skin) {
+    // A scene begins when somebody can see it.
+    if (!options.link.scene.empty()) {
+      live.set_health({options.link.link, false, "the scene begins with the first page", 0, 0});
+      while (!server.had_page() && !interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
     const bool by_file = skin->site().is_robot && !options.link.chosen;
     totals = feed(*skin, by_file ? skin->site().name : options.link.link, options.stream,
                   {shown.design, shown.offsets, calibration}, live, commands);
@@ -199,12 +181,9 @@ const Registration kView{{
                                             "; none: the design without live samples");
       add_decimation_option(app, options->stream);
       add_calibration_options(app, options->calibration);
-      app.add_option("--findings", options->findings,
-                     "report of triskin verify (--report FILE.json): its findings are shown at their modules");
-      app.add_option("--compare", options->compare,
-                     "an earlier design of the part: both are shown side by side, and which modules stay, are added or "
-                     "removed");
-      app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")
+      app.add_option("--findings", options->findings, "show the findings of this report (verify --report FILE.json)");
+      app.add_option("--compare", options->compare, "show the changes since this earlier design, side by side");
+      app.add_option("--port", options->port, "port of the page on 127.0.0.1 (0: a free one)")
           ->check(CLI::Range(0, 65'535))
           ->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");

@@ -53,11 +53,14 @@ std::string drawing(const design::Design& design, int island, const std::map<int
     const auto mark = marks.find(static_cast<int>(m));
     const bool marked = mark != marks.end();
     body += fmt::format("<polygon points=\"{}\"{}/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", points,
-                        marked ? " class=\"bad\"" : "", centre.x(), -centre.y() + 3,
-                        marked ? fmt::format("({})", mark->second) : fmt::format("{}", m));
+                        marked ? " class=\"bad\"" : "", centre.x(), -centre.y() + (marked ? 0 : 3), m);
+    if (marked)
+      body += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">({})</text>\n", centre.x(), -centre.y() + 8, mark->second);
   }
-  return fmt::format("<svg viewBox=\"{:.0f} {:.0f} {:.0f} {:.0f}\">\n{}</svg>\n", low_x - 2, low_y - 2,
-                     high_x - low_x + 4, high_y - low_y + 4, body);
+  constexpr double kScale = 0.4;  // of all islands alike; a module is then 12 mm wide on paper
+  const double wide = high_x - low_x + 4, high = high_y - low_y + 4;
+  return fmt::format("<svg width=\"{:.0f}mm\" height=\"{:.0f}mm\" viewBox=\"{:.0f} {:.0f} {:.0f} {:.0f}\">\n{}</svg>\n",
+                     kScale * wide, kScale * high, low_x - 2, low_y - 2, wide, high, body);
 }
 
 std::string findings_table(const design::Design& design, const std::vector<Finding>& findings,
@@ -94,7 +97,7 @@ std::string report_text(const design::Design& design, const VerifyResult& result
 std::string report_html(const design::Design& design, const VerifyResult& result, const std::string& arguments) {
   std::string html = fmt::format(
       "<!doctype html><meta charset=\"utf-8\"><title>{0}: verification</title>\n<style>body{{font:12pt "
-      "sans-serif}}svg{{max-height:110mm;max-width:100%}}polygon{{fill:#eee;stroke:#555}}polygon.bad{{fill:#f88}}"
+      "sans-serif}}svg{{max-width:100%;margin:2mm}}polygon{{fill:#eee;stroke:#555}}polygon.bad{{fill:#f88}}"
       "text{{font:8px sans-serif;text-anchor:middle}}table{{border-collapse:collapse}}td,th{{border:1px solid "
       "#999;padding:2pt 6pt;text-align:left;vertical-align:top}}tr{{break-inside:avoid}}</style>\n<h1>{0}</h1>\n"
       "<p>Design {1:016x}. {2}.</p>\n",

@@ -12,7 +12,7 @@
 
 namespace triskin::exports {
 
-/// The view is a parallel projection of a design from the side that shows most of its modules.
+/// The view is a parallel projection of a design, by default from the side that shows most of its modules.
 class View {
  public:
   explicit View(const design::Design& design) {
@@ -23,7 +23,17 @@ class View {
     const design::Vec3 up = std::abs(toward_.z()) < 0.9 ? design::Vec3(0, 0, 1) : design::Vec3(0, 1, 0);
     right_ = up.cross(toward_).normalized();
     up_ = toward_.cross(right_);
-    for (const design::Vec3& v : design.surface.vertices) box_.extend(flat(v));
+    frame(design);
+  }
+  /// The six sides: this one, the three that follow when the part is turned about the upright, then from above and
+  /// below.
+  [[nodiscard]] std::vector<View> sides(const design::Design& design) const {
+    return {*this,
+            View(design, right_, up_),
+            View(design, -toward_, up_),
+            View(design, -right_, up_),
+            View(design, up_, -toward_),
+            View(design, -up_, toward_)};
   }
   [[nodiscard]] design::Vec2 flat(const design::Vec3& p) const { return {right_.dot(p), -up_.dot(p)}; }
   [[nodiscard]] double height(const design::Vec3& p) const { return toward_.dot(p); }
@@ -31,6 +41,14 @@ class View {
   [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
 
  private:
+  View(const design::Design& design, const design::Vec3& toward, const design::Vec3& up)
+      : toward_(toward), right_(up.cross(toward)), up_(up) {
+    frame(design);
+  }
+  void frame(const design::Design& design) {
+    for (const design::Vec3& v : design.surface.vertices) box_.extend(flat(v));
+  }
+
   design::Vec3 toward_, right_, up_;
   Eigen::AlignedBox2d box_;
 };

@@ -23,14 +23,36 @@ std::string color_of(int patch, double light) {
   return fmt::format("hsl({:.0f},65%,{:.0f}%)", std::fmod(patch * 137.508, 360.0), light);
 }
 
+double facing(const design::PlacedModule& m, const View& view) {
+  return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized().dot(view.toward());
+}
+
+// A number is readable on a module that is turned away by less than 66°; of six sides one shows it below 55°.
+constexpr double kReadable = 0.4;
+
+// Only sides that show a number which those before them do not.
+std::vector<View> sides_of(const design::Design& d) {
+  std::vector<View> sides;
+  std::vector<bool> is_read(d.layout.modules.size(), false);
+  for (const View& view : View(d).sides(d)) {
+    bool is_needed = sides.empty();
+    for (std::size_t k = 0; k < is_read.size(); ++k) {
+      if (is_read[k] || facing(d.layout.modules[k], view) < kReadable) continue;
+      is_read[k] = is_needed = true;
+    }
+    if (is_needed) sides.push_back(view);
+  }
+  return sides;
+}
+
 void add_modules(const design::Design& d, const View& view, const std::vector<design::ModuleWiring>& wiring,
                  std::vector<Shape>& shapes) {
   for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
     const auto& m = d.layout.modules[k];
-    const design::Vec3 n = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-    if (n.dot(view.toward()) < 0.05) continue;  // The module shows its back, so the surface hides it.
+    const double front = facing(m, view);
+    if (front < 0.05) continue;  // The module shows its back, so the surface hides it.
     const design::Outline outline = design::outline_of(m.corner_mm, d.layout.corner_cut_mm);
-    const std::string fill = color_of(wiring[k].patch, 45 + 25 * n.dot(view.toward()));
+    const std::string fill = color_of(wiring[k].patch, 45 + 25 * front);
     shapes.push_back(
         {view.height(centroid(m)) + 1.0,
          polygon(view, outline.points(), fmt::format("fill=\"{}\" stroke=\"#222\" stroke-width=\"0.6\"", fill))});
@@ -45,11 +67,21 @@ void add_modules(const design::Design& d, const View& view, const std::vector<de
           from.x(), from.y(), at.x(), at.y());
     }
     shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // The offset draws trees on top of all modules.
+    if (front < kReadable) continue;
+    shapes.push_back({view.height(centroid(m)) + 3e6,
+                      fmt::format("<text class=\"number\" x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\" "
+                                  "font-family=\"sans-serif\" font-size=\"6\" stroke=\"#fff\" stroke-width=\"1.2\" "
+                                  "paint-order=\"stroke\">{}</text>\n",
+                                  at.x(), at.y() + 6.5, k)});
   }
 }
 
 void add_jumpers(const design::Design& d, const View& view, std::vector<Shape>& shapes) {
   for (const design::Jumper& j : d.layout.jumpers) {
+    const auto shows_front = [&](int node) {
+      return facing(d.layout.modules.at(static_cast<std::size_t>(node)), view) > 0.05;
+    };
+    if (std::ranges::none_of(j.node, shows_front)) continue;
     std::array<design::Vec3, 2> end;
     for (std::size_t k = 0; k < 2; ++k) {
       const auto& corner = d.layout.modules.at(static_cast<std::size_t>(j.node[k])).corner_mm;
@@ -78,20 +110,30 @@ std::string coverage_text(const design::Design& design) {
 }  // namespace
 
 std::string picture_svg(const design::Design& design) {
-  const View view(design);
-  std::vector<Shape> shapes;
-  add_surface(design, view, shapes);
-  add_modules(design, view, design::wiring_of(design), shapes);
-  add_jumpers(design, view, shapes);
-  std::ranges::stable_sort(shapes, {}, &Shape::height);
-  const design::Vec2 low = view.box().min() - design::Vec2(10, 10), size = view.box().sizes() + design::Vec2(20, 34);
-  std::string svg = svg_head(low, size);
-  for (const Shape& s : shapes) svg += s.svg;
+  constexpr double kGap_mm = 10.0;
+  const auto wiring = design::wiring_of(design);
+  std::string drawings;
+  design::Vec2 size(kGap_mm, 0.0);
+  for (const View& view : sides_of(design)) {
+    std::vector<Shape> shapes;
+    add_surface(design, view, shapes);
+    add_modules(design, view, wiring, shapes);
+    add_jumpers(design, view, shapes);
+    std::ranges::stable_sort(shapes, {}, &Shape::height);
+    const design::Vec2 shift = design::Vec2(size.x(), kGap_mm) - view.box().min();
+    drawings += fmt::format("<g transform=\"translate({:.2f},{:.2f})\">\n", shift.x(), shift.y());
+    for (const Shape& s : shapes) drawings += s.svg;
+    drawings += "</g>\n";
+    size += design::Vec2(view.box().sizes().x() + kGap_mm, 0.0);
+    size.y() = std::max(size.y(), view.box().sizes().y() + kGap_mm + 24.0);
+  }
+  const design::Vec2 low(0.0, 0.0);
+  std::string svg = svg_head(low, size) + drawings;
   svg += fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
       "{}</text>\n</svg>\n",
-      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, escape_markup(design.name), design.layout.modules.size(),
-      design.patches.size(), coverage_text(design));
+      low.x() + 10, low.y() + size.y() - 10, std::min(size.x() / 32, 8.0), escape_markup(design.name),
+      design.layout.modules.size(), design.patches.size(), coverage_text(design));
   return svg;
 }
 

@@ -93,9 +93,10 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
 void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int module) {
   if (!side.cable && !side.second_cable) return;
   const int patch = d.plan.wiring[index(module)].patch;
-  const double from_mm = is_joint(side) ? 4.0 : 9.0;
+  const bool is_beside_another = is_joint(side) || side.kind == SideKind::kSlit;
+  const double from_mm = is_beside_another ? 4.0 : 9.0;
   draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
-  if (is_joint(side)) {
+  if (is_beside_another) {
     // The neighbour limits the room: 4 mm remain between the arrow and the angle or the crosses.
     write_along(d, at, 0.595, 0.7, fmt::format("C{}{}", patch, side.cable ? "" : "*"),
                 {.size_mm = 1.8, .bold = true, .color = kBlue});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 
 #include "drawing.hpp"
@@ -56,10 +57,11 @@ void key_of_sides(Canvas& c, Key& key) {
   draw_joint(c, line_at(cut).first, line_at(cut).second, true);
 }
 
-void key_of_cables(Canvas& c, Key& key) {
+void key_of_cables(Canvas& c, Key& key, bool has_second_cables) {
   const Vec2 cable =
       key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
-                "2nd cable: only for switched modules; else it is left out. At a joint: C3, and C3* for the 2nd."},
+                has_second_cables ? "2nd cable: of switched modules. Beside another module: C3, and C3* for the 2nd."
+                                  : "Beside another module: C3."},
                12.0);
   draw_arrow(c, cable + Vec2(0, -4), cable + Vec2(0, 4), kBlue);
   c.text(cable + Vec2(-1.5, 0), "cable C3", {.size_mm = 2.6, .bold = true, .align = 1.0, .color = kBlue});
@@ -111,14 +113,14 @@ void draw_key(const Drawing& d) {
   draw_example(
       c, key.next({"A module, seen from outside, the side that is touched: its number (17); the line strap: of the",
                    "four pads the black one, third from the left, is closed with solder, the others stay open (L2);",
-                   "the address strap in the same way (2D: address 2D of the converter, second pad).",
-                   "Pads from left to right: L0 L1 L2 L3, and 2C 2D 2E 2F. The page stands upright.",
+                   "the address strap: of its four pads the two black ones, ADD0H and ADD1L (address 2D).",
+                   "Pads from left to right: L0 L1 L2 L3, and ADD0L ADD0H ADD1L ADD1H. The page stands upright.",
                    "A, B and C are the ports; the black arrow goes into port A, its input.",
                    "The colour of the ground tells controllers apart."},
                   46.0) +
              Vec2(0, 4));
   key_of_sides(c, key);
-  key_of_cables(c, key);
+  key_of_cables(c, key, std::ranges::any_of(d.design.patches, [](const auto& p) { return p.second_entry >= 0; }));
   key_of_marks(c, key);
   (void)key.next({"The QR code of a page holds the design, the controller (−: none) and the page. triskin verify and",
                   "triskin view take its text instead of a design file; they find the design in the current folder."},

@@ -22,7 +22,10 @@ void draw_page(const Drawing& d) {
   }
 }
 
-std::string draw(const design::Design& design, Paper paper, Canvas::Kind kind) {
+std::string draw(design::Design design, Paper paper, SheetModules modules, Canvas::Kind kind) {
+  if (modules == SheetModules::kStrapped) {
+    for (design::Patch& patch : design.patches) patch.second_entry = patch.second_entry_side = -1;
+  }
   const Plan plan = plan_of(design, paper);
   std::vector<Vec2> sizes_mm;
   for (const Page& page : plan.pages) sizes_mm.push_back(page.size_mm);
@@ -41,12 +44,12 @@ bool can_draw() {
   return Canvas::is_built();
 }
 
-std::string pdf(const design::Design& design, Paper paper) {
-  return draw(design, paper, Canvas::Kind::kPdf);
+std::string pdf(const design::Design& design, Paper paper, SheetModules modules) {
+  return draw(design, paper, modules, Canvas::Kind::kPdf);
 }
 
-std::string svg(const design::Design& design, Paper paper) {
-  return draw(design, paper, Canvas::Kind::kSvg);
+std::string svg(const design::Design& design, Paper paper, SheetModules modules) {
+  return draw(design, paper, modules, Canvas::Kind::kSvg);
 }
 
 }  // namespace triskin::sheet

@@ -19,12 +19,12 @@ Vec2 center_of(const std::array<Vec2, 3>& c) {
   return (c[0] + c[1] + c[2]) / 3.0;
 }
 
-// Draws a label and four pads; the one to close is black.
-void draw_strap(Canvas& canvas, const Vec2& middle, const std::string& label, int closed) {
+// Draws a label and four pads; those to close are black.
+void draw_strap(Canvas& canvas, const Vec2& middle, const std::string& label, std::initializer_list<int> closed) {
   canvas.text(middle + Vec2(kRowLeft_mm, 0.85), label, {.size_mm = 2.6, .bold = true});
   for (int k = 0; k < 4; ++k) {
     const Vec2 corner = middle + Vec2(kFirstPad_mm + kPadPitch_mm * k, -kPad_mm / 2.0);
-    if (k == closed) {
+    if (std::ranges::find(closed, k) != closed.end()) {
       canvas.fill_rectangle(corner, {kPad_mm, kPad_mm}, kBlack);
     } else {
       canvas.rectangle(corner, {kPad_mm, kPad_mm}, {0.15, kGrey, 0.0});
@@ -110,9 +110,10 @@ void draw_module(Canvas& canvas, const std::array<Vec2, 3>& corners, const Modul
   const Vec2 center = center_of(corners);
   const double down = marks.up ? 1.0 : -1.0;
   canvas.text(center + Vec2(0, marks.up ? -2.0 : 5.2), marks.number, {.size_mm = 4.4, .bold = true, .align = 0.5});
-  draw_strap(canvas, center + Vec2(0, down > 0 ? 0.4 : -3.8), fmt::format("L{}", marks.line), marks.line);
+  draw_strap(canvas, center + Vec2(0, down > 0 ? 0.4 : -3.8), fmt::format("L{}", marks.line), {marks.line});
+  // The pads are ADD0L, ADD0H, ADD1L, ADD1H (design::address_strap).
   draw_strap(canvas, center + Vec2(0, down > 0 ? 3.6 : -0.6), fmt::format("{:02X}", layout::cdc_address(marks.address)),
-             marks.address);
+             {marks.address & 1, 2 + (marks.address >> 1)});
   draw_ports(canvas, corners, marks.rotation);
   const auto side = static_cast<std::size_t>(marks.rotation);
   const Vec2 middle = (corners[side] + corners[(side + 1) % 3]) / 2.0, inwards = (center - middle).normalized();

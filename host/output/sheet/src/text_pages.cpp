@@ -118,7 +118,7 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   for (std::size_t k = 0; k < 4; ++k)
     row("address straps", design::address_strap(static_cast<int>(k)), bill.address_straps[k]);
   add_pieces(lines, "cables to controllers", "at least ", bill.cables, columns);
-  add_pieces(lines, "2nd cables (switched modules)", "at least ", bill.second_cables, columns);
+  add_pieces(lines, "2nd cables", "at least ", bill.second_cables, columns);
   add_pieces(lines, "jumper cables", "", bill.jumpers, columns);
   const int straps = std::accumulate(bill.line_straps.begin(), bill.line_straps.end(), 0) +
                      std::accumulate(bill.address_straps.begin(), bill.address_straps.end(), 0);
@@ -364,7 +364,7 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
     if (m.parent < 0) add_entry(lines, design, plan, m.node, m.rotation, "Cable");
   }
   if (patch.second_entry >= 0)
-    add_entry(lines, design, plan, patch.second_entry, patch.second_entry_side, "Second cable (switched modules only)");
+    add_entry(lines, design, plan, patch.second_entry, patch.second_entry_side, "Second cable");
   lines.push_back({LineKind::kGap, {}, {}});
   lines.push_back(
       {LineKind::kHead, {"module", "page", "line", "address strap", "port A", "port B", "port C"}, columns});

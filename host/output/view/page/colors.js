@@ -17,7 +17,7 @@ export const PALETTE = /** @type {Record<string, {color: Rgb, what: string}>} */
   module: {color: [0.40, 0.43, 0.48], what: "module"},
   rest: {color: [0.78, 0.81, 0.85], what: "taxel at rest"},
   noValue: {color: [0.24, 0.26, 0.29], what: "temperature pad, or no valid sample"},
-  tree: {color: [0.08, 0.09, 0.10], what: "line to parent; disc: cable entry; ring: second entry"},
+  tree: {color: [0.08, 0.09, 0.10], what: "line to parent; disc: cable entry"},
   seam: {color: [0.58, 0.60, 0.64], what: "between controllers"},
   cut: {color: [0.66, 0.96, 0.16], what: "cut joint"},
   jumper: {color: [0.42, 0.12, 0.78], what: "jumper"},
@@ -64,12 +64,14 @@ export const CURVES = /** @type {Rgb[]} */ ([[0.90, 0.62, 0.0], ...LINES.slice(1
 
 export const css = (c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`;
 
-/** Change in counts at which a taxel has its full colour. */
-export const FULL_COUNTS = 400;
+/** Change at which a taxel has its full colour: in counts, or in kPa where the skin is calibrated (10 counts a kPa are usual). */
+export const FULL_COUNTS = 400, FULL_KPA = 40;
 /** Change in counts from which a taxel counts as pressed: layout::kPressed_counts, as tests/output/view/page_test.cpp checks. */
 export const PRESSED_COUNTS = 20;
-/** Colour strength of a pressure: the square root shows light touches. @param {number} counts below rest */
-export const heatOf = (counts) => counts < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(counts / FULL_COUNTS));
+/** The same in kPa of a usual taxel, the least scale of a plot. */
+export const PRESSED_KPA = 2;
+/** Colour strength of a pressure: the square root shows light touches. @param {number} counts below rest @param {number} share of the full colour */
+export const heatOf = (counts, share = counts / FULL_COUNTS) => counts < PRESSED_COUNTS / 2 ? 0 : Math.min(1, Math.sqrt(share));
 
 /** Name of the mode that compares two designs. */
 export const CHANGES = "changes";
@@ -81,8 +83,11 @@ export const controllerColor = (patch) => patch < 0 ? colorOf("none") : hsl((pat
 /** @typedef {{of: (x: number) => Rgb, low: string, high: string}} Bar */
 /** @typedef {{name: string, color: (k: number) => Rgb, swatches: Swatch[], bar?: Bar, chips?: boolean}} Mode `chips`: swatches whose text is a number */
 
-/** The scale of a pressed taxel, in every mode. @type {Bar} */
-export const HEAT_BAR = {of: heatColor, low: "touched", high: `${FULL_COUNTS} counts`};
+/** The scale of a pressed taxel, in every mode. @param {Model} model @returns {Bar} */
+export const heatBar = (model) => ({of: heatColor, low: "touched", high: model.isCalibrated ? `${FULL_KPA} kPa` : `${FULL_COUNTS} counts`});
+
+/** The solder bridges to close, and the I²C address they give: "ADD0L ADD1H (2E)". @param {number} a */
+export const addressStrap = (a) => `ADD0${a & 1 ? "H" : "L"} ADD1${a & 2 ? "H" : "L"} (${(0x2c + a).toString(16).toUpperCase()})`;
 
 /** The ways to colour modules. @param {Model} model @returns {Mode[]} */
 export function modesOf(model) {
@@ -94,15 +99,15 @@ export function modesOf(model) {
   });
   const modes = /** @type {Mode[]} */ ([
     {name: "controllers", color: (k) => controllerColor(patch(k)), chips: true,
-     swatches: model.data.patches.map((_, p) => ({color: controllerColor(p), what: String(p), of: (k) => patch(k) === p}))},
+     swatches: model.data.patches.map((_, p) => ({color: controllerColor(p), what: model.controllerOf(p), of: (k) => patch(k) === p}))},
     {name: "pressure", color: () => colorOf("module"), swatches: [entry("module", () => true)],
-     bar: HEAT_BAR},
+     bar: heatBar(model)},
     {name: "lines", ...strap("line", ["L0", "L1", "L2", "L3"])},
-    {name: "addresses", ...strap("address", ["2C", "2D", "2E", "2F"])},
+    {name: "addresses", ...strap("address", [0, 1, 2, 3].map(addressStrap))},
     byValue("depth in the tree", (k) => modules[k].depth, depthMax(model), "entry", `${depthMax(model)} joints`),
     byValue("loss when it fails", (k) => model.subtree(k).length, 16, "0", "16 modules"),
   ]);
-  modes[5].swatches = ["lost", "rerouted", "backup"].map((name) => ({...PALETTE[name]}));
+  modes[5].swatches = (model.data.switched ? ["lost", "rerouted", "backup"] : ["lost"]).map((name) => ({...PALETTE[name]}));
   const kinds = [...new Set(modules.map((m) => m.kind || ""))].filter((kind) => kind).sort();
   const colorOfKind = (kind) => hsl((kinds.indexOf(kind) * 137.508 + 30) % 360, 0.5, 0.55);
   if (kinds.length > 0) {
@@ -129,7 +134,7 @@ function wallMode(model) {
   const wall = model.data.side.wall_mm, max = Math.max(0.01, ...wall);
   return {name: "wall thickness", color: (k) => wall[k] > 0 ? scale(wall[k] / max) : colorOf("none"),
           bar: {of: scale, low: "0", high: `${+max.toFixed(1)} mm`},
-          swatches: [{...PALETTE.none, what: "no wall found behind it", of: (k) => !(wall[k] > 0)}]};
+          swatches: [{...PALETTE.none, what: "no wall behind it", of: (k) => !(wall[k] > 0)}]};
 }
 
 function depthMax(model) { return Math.max(1, ...model.modules.map((m) => m.depth)); }

@@ -102,7 +102,7 @@ export class Labels {
     paint.font = NAME_FONT;
     model.islandCorners.forEach((corner, island) => {
       const [x, y] = camera.project(corner), room = (model.islandWidths[island] + ISLAND_GAP_MM) / camera.mm_per_pixel;
-      for (const text of [this.nameOf(island), this.nameOf(island).replace(/^.* /, "")]) {
+      for (const text of [model.islandName(island), model.islandName(island).replace(/^.* /, "")]) {
         const wide = paint.measureText(text).width, box = /** @type {Box} */ ([x + wide / 2, y - 8, wide, 12]);
         if (wide > room || !occupied.take(...box)) continue;
         placed.push({text, x, y: y - 2, box});
@@ -125,7 +125,7 @@ export class Labels {
     model.data.jumpers.forEach((jumper, j) => [0, 1].forEach((end) => {
       if (!model.shows(jumper.modules[end])) return;
       const {to, out} = stubOf(model, jumper, end), [x, y] = camera.project(to);
-      for (const text of [`J${j} → ${model.numberOf(jumper.modules[1 - end])}`, `J${j}`]) {
+      for (const text of [`${model.jumperName(j)} → ${model.numberOf(jumper.modules[1 - end])}`, model.jumperName(j)]) {
         const wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
         const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
         if (!isInPane(box, camera) || !occupied.take(...box)) continue;
@@ -155,11 +155,6 @@ export class Labels {
     }
     const wide = this.paint.measureText(cover.name).width, x = (left + right - wide) / 2, y = Math.max(14, top - 16);
     return {text: cover.name, x, y, box: [x + wide / 2, y - 7, wide, 14]};
-  }
-
-  nameOf(island) {
-    const cover = (this.model.data.covers ?? []).findLast((c) => c.first_island <= island);
-    return cover ? `${cover.name}: ${island - cover.first_island}` : `island ${island}`;
   }
 
   // Which modules show their front unhidden changes with the camera and with what is shown.

@@ -2,7 +2,7 @@
 // @ts-check
 // The legend: made of the entries by which the picture is drawn. Texts are set as text, since names of kinds come from a file; colours are set here because
 // the page allows no inline style.
-import {css, HEAT_BAR, PALETTE} from "./colors.js";
+import {css, heatBar, PALETTE} from "./colors.js";
 import {byId} from "./panel.js";
 
 /** @param {{color: number[], what: string}} entry @param {string} kind of CSS class */
@@ -41,8 +41,9 @@ export function fillLegend(mode, model, shown, has) {
   if (shown.surface && model.data.side?.left_out.faces.length) names.push("cover", "leftOut");
   names.push("back");
   const marks = document.createElement("div");
-  marks.append(...names.map((name) => swatch(PALETTE[name], "swatch")));
+  const ring = model.data.patches.some((p) => p.second_entry >= 0) ? "; ring: second entry" : "";
+  marks.append(...names.map((name) => swatch(name === "tree" ? {...PALETTE.tree, what: PALETTE.tree.what + ring} : PALETTE[name], "swatch")));
   // Whoever colours by something else sees the touched taxels too.
-  const touched = has.skin && shown.taxels && mode.bar !== HEAT_BAR ? barOf(HEAT_BAR) : [];
+  const touched = has.skin && shown.taxels && mode.name !== "pressure" ? barOf(heatBar(model)) : [];
   byId("legend").replaceChildren(...rows, ...touched, marks);
 }

@@ -4,7 +4,7 @@
 import {CanvasDrawing} from "./canvas_drawing.js";
 import {bestDirection, hitOf, OrbitCamera, PlaneCamera, boxOf} from "./camera.js";
 import {contactsIn, contactTold} from "./contacts.js";
-import {CHANGES, colorOf, heatOf, modesOf} from "./colors.js";
+import {CHANGES, colorOf, FULL_KPA, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {History} from "./history.js";
 import {Labels} from "./labels.js";
@@ -95,8 +95,7 @@ class Page {
       this.shown[part] = box.checked;
     }
     byId("joint-fails").onchange = () => { this.paintColors(); this.paintSelection(); };
-    byId("find").max = String(this.model.count - 1);
-    byId("find").onchange = () => this.select(byId("find").value === "" ? -1 : Number(byId("find").value), true);
+    byId("find").onchange = () => this.select(this.model.moduleOf(byId("find").value), true);
     byId("theme").onclick = () => this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
     byId("help").onclick = () => { byId("keys").hidden = !byId("keys").hidden; byId("help").setAttribute("aria-expanded", String(!byId("keys").hidden)); };
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
@@ -215,7 +214,7 @@ class Page {
   /** Chooses a module in both views; −1: none. @param {number} module @param {boolean} focus bring it to the middle */
   select(module, focus) {
     this.selected = Number.isInteger(module) && module >= 0 && module < this.model.count ? module : -1;
-    byId("find").value = this.selected < 0 ? "" : String(this.selected);
+    byId("find").value = this.selected < 0 ? "" : this.model.nameOf(this.selected);
     if (this.selected < 0) byId("module").textContent = "Click a module, or choose it by number.";
     if (this.selected >= 0) { fillModule(this.model, this.live, this.selected); openPart("module-part"); }
     this.fillModuleButtons();
@@ -230,7 +229,7 @@ class Page {
     fillButtons("filters", [["only its controller", () => this.isolate("patch")], ["only its island", () => this.isolate("island")],
                             ["hide controller", () => this.hide("patch")], ["hide island", () => this.hide("island")]]);
     fillButtons("taxels", k < 0 || !this.hasSkin ? [] : Array.from({length: TAXELS}, (_, t) => t).filter((t) => this.model.pressure[t]).map(
-      (t) => [String(t), () => { this.history.toggle(k, t); this.fillModuleButtons(); this.history.draw(this.live.newest_ms); }, this.history.has(k, t)]));
+      (t) => [String(t), () => { this.history.toggle(k, t); this.fillModuleButtons(); this.history.draw(this.live.newest_ms, this.model); }, this.history.has(k, t)]));
   }
 
   focus() {
@@ -283,7 +282,12 @@ class Page {
   // −1: no valid value, −2: of a hidden module.
   heatAt(k, t, valid) {
     if (!this.model.shows(k)) return -2;
-    return this.model.pressure[t] && valid ? heatOf(this.live.pressureOf(TAXELS * k + t)) : -1;
+    return this.model.pressure[t] && valid ? this.heatOf(TAXELS * k + t) : -1;
+  }
+  /** @param {number} n 12 · module + taxel */
+  heatOf(n) {
+    const counts = this.live.pressureOf(n);
+    return this.model.isCalibrated ? heatOf(counts, this.model.pressureIn(n, counts) / FULL_KPA) : heatOf(counts);
   }
   /** @param {boolean} atRest as if nothing had been heard; otherwise as the skin is */
   resetHeat(atRest = true) {
@@ -303,6 +307,7 @@ class Page {
       this.resetHeat();
       this.paintColors();
     });
+    this.player.toggle();
   }
 
   goOnline() {
@@ -326,7 +331,7 @@ class Page {
       for (let t = 0; t < TAXELS; ++t) this.heat[TAXELS * k + t] = this.heatAt(k, t, this.live.valid[k] >> t & 1);
     }
     if (changed.some((k) => before[k] !== this.live.state[k] || !heard[k])) { this.faultsChanged = true; this.paintColors(); this.paintFaults(); }
-    this.history.remember(this.live, changed);
+    this.history.remember(this.live, changed, this.model);
     this.drawing.setHeat(this.heat);
     this.fresh = true;
     this.dirty = true;
@@ -349,10 +354,10 @@ class Page {
                                ["frame time", `${middleOf(this.intervals)} ms`]);
     fillList(byId("link"), rows);
     this.showTrouble();
-    if (health.live || this.faultsChanged) fillFaults(this.live, (k) => this.select(k, true));
+    if (health.live || this.faultsChanged) fillFaults(this.model, this.live, (k) => this.select(k, true));
     this.faultsChanged = false;
     if (this.selected >= 0) fillModule(this.model, this.live, this.selected);
-    this.history.draw(this.live.newest_ms);
+    this.history.draw(this.live.newest_ms, this.model);
   }
 
   // What is wrong with the link, else that taxels do not rest where they should.
@@ -366,7 +371,7 @@ class Page {
     this.contacts = this.told;
     this.restTold = restRemark(this.model, this.live);
     this.showTrouble();
-    fillContacts(this.contacts, (k) => this.select(k, true));
+    fillContacts(this.model, this.contacts, (k) => this.select(k, true));
   }
 
   resize() {
@@ -389,8 +394,8 @@ class Page {
   frame(at) {
     requestAnimationFrame((next) => this.frame(next));
     if (this.player) this.player.step(at);
-    if (this.player && this.fresh) this.history.draw(this.live.newest_ms);
-    if (this.player && this.faultsChanged) { fillFaults(this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
+    if (this.player && this.fresh) this.history.draw(this.live.newest_ms, this.model);
+    if (this.player && this.faultsChanged) { fillFaults(this.model, this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
     if (!this.dirty) { this.lastFrame = 0; return; }
     this.dirty = false;
     if (this.fresh) this.showContacts(); // before the labels, which draw them: a recording may stand still after this frame

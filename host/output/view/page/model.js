@@ -68,6 +68,8 @@ export class Model {
     this.modules.forEach((m, k) => { if (m.parent >= 0) this.children[m.parent].push(k); });
     /** Corners of what is left of a module whose corners may be cut off. */
     this.corners = data.corner_cut_mm > 0 ? 6 : 3;
+    /** Counts that a kPa is worth, by 12 · module + taxel; empty: the skin is not calibrated. @type {number[]} */
+    this.countsPerKpa = data.counts_per_kpa ?? [];
     this.pressure = Array.from({length: TAXELS}, (_, t) => !data.temperature_pads.includes(t));
     /** 1: the module is shown. */
     this.shown = new Uint8Array(this.count).fill(1);
@@ -92,11 +94,34 @@ export class Model {
   }
   /** The name of a module as all outputs say it: "upperarm 19" on a robot, else its number. @param {number} k */
   nameOf(k) { const cover = this.coverOf(k); return cover < 0 ? `${this.numberOf(k)}` : `${this.data.covers[cover].name} ${this.numberOf(k)}`; }
-  /** The name of a controller, with its address on its bus: "upperarm 1 (node 4)". @param {number} p */
-  controllerName(p) {
-    const cover = (this.data.covers ?? []).findLast((c) => c.first_patch <= p);
-    return `${cover ? `${cover.name} ${p - cover.first_patch}` : p} (node ${this.data.patches[p].node || "not on this bus"})`;
+  /** The module of a name: "upperarm 19", or a number alone, which is that of the first cover; −1: none. @param {string} text */
+  moduleOf(text) {
+    const named = this.modules.findIndex((_, k) => this.nameOf(k) === text.trim());
+    return named >= 0 ? named : this.modules.findIndex((_, k) => String(this.numberOf(k)) === text.trim());
   }
+  /** The name of a controller: "upperarm 1". @param {number} p */
+  controllerOf(p) {
+    const cover = (this.data.covers ?? []).findLast((c) => c.first_patch <= p);
+    return cover ? `${cover.name} ${p - cover.first_patch}` : String(p);
+  }
+  /** The same with its address on its bus: "upperarm 1 (node 4)". @param {number} p */
+  controllerName(p) { return `${this.controllerOf(p)} (node ${this.data.patches[p].node || "not on this bus"})`; }
+  /** "island 2", "upperarm: 2" on a robot. @param {number} island */
+  islandName(island) {
+    const cover = (this.data.covers ?? []).findLast((c) => c.first_island <= island);
+    return cover ? `${cover.name}: ${island - cover.first_island}` : `island ${island}`;
+  }
+  /** The name of a jumper in its own design: "J0". @param {number} j */
+  jumperName(j) {
+    const cover = (/** @type {any} */ jumper) => this.coverOf(jumper.modules[0]), {jumpers} = this.data;
+    return `J${jumpers.slice(0, j).filter((/** @type {any} */ other) => cover(other) === cover(jumpers[j])).length}`;
+  }
+  /** Whether pressures are known in kPa. */
+  get isCalibrated() { return this.countsPerKpa.length > 0; }
+  /** A change in the unit of the page: kPa, or counts without a calibration. @param {number} n 12 · module + taxel @param {number} counts below rest */
+  pressureIn(n, counts) { return !this.isCalibrated ? counts : this.countsPerKpa[n] > 0 ? counts / this.countsPerKpa[n] : 0; }
+  /** The same as text. @param {number} value */
+  pressureText(value) { return this.isCalibrated ? `${value.toFixed(1)} kPa` : `${Math.round(value)} counts`; }
   /** The cover of a robot that a module is on; −1: the design is of one cover. @param {number} k */
   coverOf(k) { return (this.data.covers ?? []).findLastIndex((c) => c.first_module <= k); }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // @ts-check
 // The column beside the drawing: text only, set as text, so that no name from a file is taken for markup.
-import {PALETTE, PRESSED_COUNTS} from "./colors.js";
+import {addressStrap, PALETTE, PRESSED_COUNTS} from "./colors.js";
 import {FIRST_FAULT, STATES} from "./live.js";
 import {TAXELS} from "./model.js";
 
@@ -54,36 +54,46 @@ function sumRows({count, data: d}) {
           ["coverage", `${Math.round(100 * coverageOf(d))} %`]];
 }
 
-/** The solder bridges to close, and the I²C address they give: "ADD0L ADD1H (2E)". @param {number} a */
-export const addressStrap = (a) => `ADD0${a & 1 ? "H" : "L"} ADD1${a & 2 ? "H" : "L"} (${(0x2c + a).toString(16).toUpperCase()})`;
-
 const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modules[k].parent >= 0 ? `module ${model.nameOf(model.modules[k].parent)}` : "none";
 
-/** Everything on one module. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
+/** One module: what a person at the skin needs, then its place and measures, folded away. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
 export function fillModule(model, live, k) {
   const m = model.modules[k], list = document.createElement("dl");
   const rows = /** @type {[string, string|number][]} */ ([["module", model.nameOf(k)]]);
-  if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);
+  if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).map((t) => pressedText(model, live, k, t)).join(", ") || "none"]);
   const change = model.data.changes?.[k];
   if (change) rows.push([PALETTE[change.what].what, change.other < 0 ? "no module in the other design" : `module ${model.numberOf(change.other)} of the other design`]);
-  rows.push(...moduleRows(model, k, m));
+  rows.push(...wiringRows(model, k, m));
   fillList(list, rows);
+  const more = document.createElement("details"), summary = document.createElement("summary"), measures = document.createElement("dl");
+  summary.textContent = "place and measures";
+  more.open = byId("module").querySelector("details")?.open ?? false;
+  fillList(measures, measureRows(model, m));
+  more.append(summary, measures);
   const findings = (model.findings.get(k) ?? []).map((f) => Object.assign(document.createElement("p"), {className: "finding", textContent: `${f.text}; ${f.remedy}`}));
-  byId("module").replaceChildren(...findings, list);
+  byId("module").replaceChildren(...findings, list, more);
 }
 
-function moduleRows(model, k, m) {
-  const failure = model.failureOf(k), joint = model.failureOf(k, m.parent), rows = /** @type {[string, string|number][]} */ ([["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
+// What is soldered, plugged and read.
+function wiringRows(model, k, m) {
+  const rows = /** @type {[string, string|number][]} */ ([]);
+  const lost = (failure) => model.data.switched ? `${failure.cut.length}, of them for good ${failure.lost.length}` : failure.cut.length;
   if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
     rows.push(["controller", model.controllerName(m.patch)], ["line strap", `L${m.line}`], ["address strap", addressStrap(m.address)],
-              ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
-              ["modules lost if it fails", `${failure.cut.length} (switched hardware: ${failure.lost.length})`]);
-    if (m.parent >= 0) rows.push([`modules lost if its joint to ${model.numberOf(m.parent)} fails`, `${joint.cut.length} (switched hardware: ${joint.lost.length})`]);
+              ["port A leads to", entryText(model, k)], ["modules lost if it fails", lost(model.failureOf(k))]);
+    if (m.parent >= 0) rows.push([`modules lost if its joint to ${model.numberOf(m.parent)} fails`, lost(model.failureOf(k, m.parent))]);
   }
   for (const j of model.data.jumpers) {
-    if (j.modules.includes(k)) rows.push(["jumper", `to module ${model.numberOf(j.modules[0] === k ? j.modules[1] : j.modules[0])}, ${j.length_mm} mm`]);
+    if (j.modules.includes(k)) rows.push(["jumper", `${model.jumperName(model.data.jumpers.indexOf(j))} to module ${model.numberOf(j.modules[0] === k ? j.modules[1] : j.modules[0])}, ${j.length_mm} mm`]);
   }
+  return rows;
+}
+
+// Where it lies, and each measure of its limit.
+function measureRows(model, m) {
+  const rows = /** @type {[string, string|number][]} */ ([["island, tile", `${model.islandName(m.island).replace(/^island /, "")}, ${m.tile[0]}/${m.tile[1]}/${m.tile[2] ? "up" : "down"}`]]);
+  if (m.patch >= 0) rows.push(["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["joints to the cable", m.depth]);
   model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${+m.metrics[row].toFixed(2)}${metric.limit ? ` of ${+metric.limit.toFixed(2)}` : ""} ${metric.unit}`]));
   return rows;
 }
@@ -104,7 +114,7 @@ export function restRemark(model, live) {
     taxels += off((c) => Math.abs(c) >= PRESSED_COUNTS);
   }
   if (taxels === 0) return "";
-  const named = modules.slice(0, MAX_NAMED).join(", ");
+  const named = modules.slice(0, MAX_NAMED).map((k) => model.nameOf(k)).join(", ");
   return `${counted(taxels, "taxel")} ${taxels === 1 ? "does not rest: tare; its" : "do not rest: tare; their"} module${modules.length === 1 ? "" : "s"}: ${named}${modules.length > MAX_NAMED ? ` and ${modules.length - MAX_NAMED} more` : ""}`;
 }
 
@@ -114,6 +124,12 @@ export function pressedOf(model, live, k) {
   for (let t = 0; t < TAXELS; ++t)
     if (model.pressure[t] && (live.valid[k] >> t & 1) && live.pressureOf(TAXELS * k + t) >= PRESSED_COUNTS) found.push(t);
   return found;
+}
+
+/** "3: 12.4 kPa", and the taxel alone without a calibration. */
+function pressedText(model, live, k, t) {
+  const n = TAXELS * k + t;
+  return model.isCalibrated ? `${t}: ${model.pressureText(model.pressureIn(n, live.pressureOf(n)))}` : `${t}`;
 }
 
 /** A row that chooses a module. @param {string} text @param {() => void} act */
@@ -126,21 +142,21 @@ function rowOf(text, act) {
   return item;
 }
 
-/** @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
-export function fillContacts(contacts, choose) {
+/** @param {import("./model.js").Model} model @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
+export function fillContacts(model, contacts, choose) {
   const rows = contacts.slice(0, 8).map((c) => rowOf(
-    `module ${c.module}: ${counted(c.taxels.length, "taxel")}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)}${c.forceSd === null ? "" : ` ± ${c.forceSd.toFixed(2)}`} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
+    `module ${model.nameOf(c.module)}: ${counted(c.taxels.length, "taxel")}, ${c.force === null ? `${Math.round(c.sum)} counts` : `${c.force.toFixed(2)}${c.forceSd === null ? "" : ` ± ${c.forceSd.toFixed(2)}`} N`} at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("contacts").replaceChildren(...rows);
 }
 
-/** @param {import("./live.js").LiveSkin} live @param {(module: number) => void} choose */
-export function fillFaults(live, choose) {
+/** @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live @param {(module: number) => void} choose */
+export function fillFaults(model, live, choose) {
   const most = 200, rows = [];
   for (let k = 0; k < live.state.length && rows.length < most; ++k) {
     const text = !live.heard[k] ? "never heard" : live.state[k] >= FIRST_FAULT ? STATES[live.state[k]] || "?" : "";
     if (!text) continue;
-    rows.push(rowOf(`module ${k}: ${text}`, () => choose(k)));
+    rows.push(rowOf(`module ${model.nameOf(k)}: ${text}`, () => choose(k)));
   }
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("faults").replaceChildren(...rows);
@@ -153,7 +169,7 @@ export function fillFindings(model, choose) {
   byId("finding-part").hidden = findings.length === 0;
   byId("findings").replaceChildren(...findings.map((f) => {
     const at = [...model.findings].find(([, list]) => list.includes(f))?.[0] ?? -1;
-    const row = rowOf(at < 0 ? f.text : `module ${at}: ${f.text}`, () => { if (at >= 0) choose(at); });
+    const row = rowOf(at < 0 ? f.text : `module ${model.nameOf(at)}: ${f.text}`, () => { if (at >= 0) choose(at); });
     row.title = f.remedy;
     return row;
   }));

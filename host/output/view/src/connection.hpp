@@ -19,7 +19,7 @@ class Stranger {
 };
 
 /// All connections of one server share this state, which must outlive them. Only the server's thread uses it, except
-/// `connections`.
+/// `connections` and `had_page`.
 struct Shared {
   Site site;
   const LatestSamples& live;
@@ -28,6 +28,7 @@ struct Shared {
   std::string token;
   std::uint16_t port = 0;
   std::atomic<std::size_t> connections{0};
+  std::atomic<bool> had_page{false};
   std::size_t known = 0;                           ///< Only open connections that have shown the token count.
   std::list<std::weak_ptr<Stranger>> strangers{};  ///< The oldest one is at the front.
 

@@ -18,8 +18,8 @@ struct Place {
 };
 
 [[noreturn]] void throw_no_report(const std::string& name) {
-  throw InputError(fmt::format(
-      "{}: this is no report of triskin verify; write one with triskin verify DESIGN --report FILE.json", name));
+  throw InputError(
+      fmt::format("{}: not a report of triskin verify; write one with triskin verify DESIGN --report FILE.json", name));
 }
 
 // A null and a missing key both mean "none".

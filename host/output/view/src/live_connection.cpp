@@ -41,6 +41,7 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
       if (error) return;
       self->read();
       self->tick();
+      self->shared_.had_page = true;
     });
   }
 

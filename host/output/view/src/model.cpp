@@ -77,10 +77,10 @@ json module_of(const design::PlacedModule& m, const design::ModuleWiring& wiring
           {"metrics", metrics_of(m)}};
 }
 
-json patch_of(const design::Design& design, std::size_t index) {
+json patch_of(const design::Design& design, std::size_t index, bool is_switched) {
   const design::Patch& p = design.patches[index];
   json failures = json::array();
-  for (const auto& f : p.failures) {
+  for (const auto& f : is_switched ? p.failures : std::vector<design::FailureLoss>{}) {
     failures.push_back({{"module", f.node},
                         {"other", f.other_node},
                         {"lost", f.lost_strapped},
@@ -89,7 +89,7 @@ json patch_of(const design::Design& design, std::size_t index) {
   }
   return {{"node", design::node_address_of(design, layout::PatchIndex{index})},
           {"entry", p.entry},
-          {"second_entry", p.second_entry},
+          {"second_entry", is_switched ? p.second_entry : -1},
           {"cut_joints", p.cut_joints},
           {"max_depth", p.max_depth},
           {"failures", std::move(failures)}};
@@ -146,6 +146,15 @@ json findings_of(const Notes& notes) {
 
 }  // namespace
 
+std::vector<double> counts_per_kpa_of(const design::SkinCalibration& calibration) {
+  std::vector<double> list;
+  for (std::size_t k = 0; calibration.complete() && k < calibration.modules(); ++k) {
+    for (int t = 0; t < layout::kTaxelsPerModule; ++t)
+      list.push_back(rounded(calibration.counts_per_kpa({layout::ModuleId{k}, layout::TaxelIndex{t}})));
+  }
+  return list;
+}
+
 std::string model_json(const design::Design& design, bool recording, const Notes& notes) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
@@ -154,7 +163,8 @@ std::string model_json(const design::Design& design, bool recording, const Notes
     if (!design.kinds.empty())
       modules.back()["kind"] = design::kind_of(design.kinds, design.layout.modules[k].kind).name;
   }
-  for (std::size_t p = 0; p < design.patches.size(); ++p) patches.push_back(patch_of(design, p));
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    patches.push_back(patch_of(design, p, notes.has_switched_modules));
   const json model = {
       {"name", design.name},
       {"design_id", fmt::format("{:016x}", design.design_id)},
@@ -173,6 +183,8 @@ std::string model_json(const design::Design& design, bool recording, const Notes
       {"findings", findings_of(notes)},
       {"live", notes.has_live_skin},
       {"changes", changes_of(notes.changes)},
+      {"switched", notes.has_switched_modules},
+      {"counts_per_kpa", notes.counts_per_kpa},
       {"before", {{"modules", notes.changes.before_modules}, {"vertices", notes.changes.before_vertices}}},
       {"modules", std::move(modules)},
       {"patches", std::move(patches)}};

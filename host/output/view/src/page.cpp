@@ -53,7 +53,7 @@ void require_page() {
       "build again");
 }
 
-std::string page_html(const design::Design& design, std::string_view track) {
+std::string page_html(const design::Design& design, std::string_view track, const Notes& notes) {
   require_page();
   std::string html(assets().at("index.html").bytes);
   replace_one(html, "<link rel=\"stylesheet\" href=\"style.css\">",
@@ -65,7 +65,7 @@ std::string page_html(const design::Design& design, std::string_view track) {
   replace_one(html, "<script type=\"module\" src=\"main.js\"></script>",
               fmt::format("<script type=\"application/json\" id=\"model\">{}</script>\n{}<script "
                           "type=\"importmap\">{}</script>\n<script type=\"module\">import \"page/main.js\";</script>",
-                          model_json(design, !track.empty()), recording, import_map()));
+                          model_json(design, !track.empty(), notes), recording, import_map()));
   replace_one(html, "<meta charset=\"utf-8\">",
               "<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
               "script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">");

@@ -89,6 +89,10 @@ std::string Server::token() const {
   return state_->shared.token;
 }
 
+bool Server::had_page() const {
+  return state_->shared.had_page;
+}
+
 std::size_t Server::connections() const {
   return state_->shared.connections;
 }

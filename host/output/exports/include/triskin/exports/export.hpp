@@ -6,8 +6,9 @@
 
 namespace triskin::exports {
 
-/// Draws a design as SVG: the surface from the side that shows most modules, modules coloured by patch, and the tree of
-/// each patch as lines from the entry (dot). Errors: none for a design that was read or made. Cost: O(faces + modules).
+/// Draws a design as SVG: the surface from the side that shows most modules and from as many of the other five as show
+/// the number of a module that those before do not; modules coloured by patch, and the tree of each patch as lines from
+/// the entry (dot). Errors: none for a design that was read or made. Cost: O(faces + modules).
 [[nodiscard]] std::string picture_svg(const design::Design& design);
 
 /// Lists the taxels as CSV, one row each: module, taxel, patch, line, address, position (mm) and outward unit normal in

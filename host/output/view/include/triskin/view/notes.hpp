@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/layout/index.hpp"
 
@@ -47,7 +48,13 @@ struct Notes {
   std::vector<Finding> findings{};
   bool has_live_skin = false;  ///< True means that the page's server sends samples.
   Changes changes{};
+  /// Sensitivity of taxel 12 · module + t in counts/kPa, 0 without a calibration; an empty list leaves counts.
+  std::vector<double> counts_per_kpa{};
+  bool has_switched_modules = false;  ///< Only these have second cables and are read around a failure.
 };
+
+/// Returns the list of Notes; empty if the calibration is not complete. Cost: O(modules).
+[[nodiscard]] std::vector<double> counts_per_kpa_of(const design::SkinCalibration& calibration);
 
 /// Reads the findings in a report of `triskin verify` (--report FILE.json, or the output of --json; for a robot with
 /// its covers by name). `name` is the file's name, for errors. Throws InputError for text that is not such a report,

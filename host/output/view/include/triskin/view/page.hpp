@@ -27,8 +27,9 @@ void require_page();
 [[nodiscard]] std::string model_json(const design::Design& design, bool recording = false, const Notes& notes = {});
 
 /// Makes the page of a design as one self-contained HTML file, which loads nothing and works from a disk or an e-mail.
-/// `track` has frames of a recording (FrameTrack) that the page plays; empty means none. Throws InputError when the
+/// `track` has frames of a recording (FrameTrack) that the page plays; empty means none. `notes` as for model_json().
+/// Throws InputError when the
 /// program has no page. Cost: O(faces + modules + track).
-[[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {});
+[[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {}, const Notes& notes = {});
 
 }  // namespace triskin::view

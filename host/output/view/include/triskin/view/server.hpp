@@ -70,6 +70,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// Returns 32 hexadecimal digits from the operating system's random numbers, new for each server.
   [[nodiscard]] std::string token() const;
+  /// Returns whether a page has connected to the live skin since the start. Thread-safe.
+  [[nodiscard]] bool had_page() const;
   /// Counts the open connections. Thread-safe.
   [[nodiscard]] std::size_t connections() const;
 
