@@ -48,7 +48,7 @@ while IFS= read -r line <&"${REPAIR[0]}"; do
   expects_finding=0
   case "$line" in
     "finding 1 of"*) expects_finding=1 ;;
-    "Mend this now."*) mend "$finding" && echo >&"${REPAIR[1]}" ;;
+    "Fix this now."*) mend "$finding" && echo >&"${REPAIR[1]}" ;;
     *"Enter: done"*) echo >&"${REPAIR[1]}" ;;
   esac
   case "$line" in " "*) ;; *) printf '%s\n' "$line" ;; esac

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -115,6 +116,45 @@ TEST_F(CommandLine, log_shows_what_controllers_write) {
   EXPECT_TRUE(started) << o.out;
   EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --node 9").status, 3);
   EXPECT_EQ(run("log strip.json --link sim --seconds 0.1 --level loud").status, 2);
+}
+
+// A design and a robot file are taken alike.
+TEST_F(CommandLine, what_looks_at_a_bus_takes_a_design_or_a_robot) {
+  ASSERT_EQ(run("robot new robot.json --name demo --bus left=sim --bus right=sim").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name forearm --bus left").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name upperarm --bus right --first-node 7").status, 0);
+  ASSERT_EQ(run("flash robot.json").status, 0);
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  EXPECT_NE(run("discover strip.json --link sim").out.find("  patch 0\n"), std::string::npos);
+  EXPECT_NE(run("discover robot.json").out.find("  upperarm, patch 0\n"), std::string::npos);
+  const auto log = nlohmann::json::parse(run("log robot.json --seconds 1 --json").out);
+  std::map<std::string, int> node_of_bus;
+  for (const auto& row : log["lines"]) node_of_bus[row["bus"]] = row["node_address"];
+  EXPECT_EQ(node_of_bus, (std::map<std::string, int>{{"left", 1}, {"right", 7}}));
+  const Outcome dump = run("dump robot.json --ask --frames 2");
+  for (const char* bus : {"left", "right"})
+    EXPECT_NE(dump.out.find(std::string("  ") + bus + "  18E0FFF1 "), std::string::npos) << dump.out << dump.messages;
+  for (const char* file : {"strip.json", "robot.json"})
+    EXPECT_EQ(run(std::string("protect ") + file + " --link sim").status, 3) << file;  // as simulated boards answer
+}
+
+TEST_F(CommandLine, robot_remove_takes_a_cover_and_then_its_bus) {
+  ASSERT_EQ(run("robot new robot.json --name demo --bus left=sim --bus right=sim").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name forearm --bus left").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name upperarm --bus left").status, 0);
+  const auto file = [&] { return nlohmann::json::parse(read_file(folder_ / "robot.json")); };
+  const auto node_of_upperarm = file()["covers"][1]["controllers"][0]["node"];
+  const Outcome used = run("robot remove robot.json --bus left");
+  EXPECT_EQ(used.status, 2);
+  EXPECT_NE(used.messages.find("cover forearm is on bus left"), std::string::npos) << used.messages;
+  EXPECT_EQ(run("robot remove robot.json --name nobody").status, 2);
+  EXPECT_EQ(run("robot remove robot.json").status, 2);
+  EXPECT_EQ(file()["covers"].size(), 2U);
+  EXPECT_EQ(run("robot remove robot.json --name forearm").out, "robot.json: cover forearm removed; 1 cover left\n");
+  EXPECT_EQ(file()["covers"].size(), 1U);
+  EXPECT_EQ(file()["covers"][0]["controllers"][0]["node"], node_of_upperarm);  // the others keep their addresses
+  EXPECT_EQ(run("robot remove robot.json --bus right").out, "robot.json: bus right removed; 1 bus left\n");
+  EXPECT_EQ(file()["buses"].size(), 1U);
 }
 
 // A simulated board has no pages to protect, and reports that.

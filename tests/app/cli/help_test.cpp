@@ -53,7 +53,7 @@ std::vector<std::string> commands_of(const std::string& help) {
 TEST_F(Help, commands_stand_in_groups) {
   const std::string text = run("--help").out;
   const auto design = text.find("\nDesign:"), hardware = text.find("\nHardware:"), data = text.find("\nData:"),
-             development = text.find("\nDevelopment:");
+             development = text.find("\nSimulation and proofs:");
   ASSERT_NE(development, std::string::npos) << text;
   EXPECT_LT(design, hardware);
   EXPECT_LT(hardware, data);
@@ -126,6 +126,24 @@ TEST_F(Help, a_slip_is_answered_in_the_first_line) {
   write_file_atomically(folder_ / "strip.json", "no json");
   EXPECT_THAT(run("verify stirp.json --link sim").messages, HasSubstr("did you mean strip.json?"));
   EXPECT_THAT(run("verify strip.json --link sim").messages, HasSubstr("is no design file (JSON)"));
+}
+
+// Names of types, sets of values and sentences of the library that reads the command line are no words of ours.
+TEST_F(Help, no_word_of_the_parser_is_said) {
+  ::setenv("COLUMNS", "120", 1);
+  for (const std::string& command : commands_of(run("--help").out)) {
+    const std::string text = run(command + " --help").out;
+    static const std::regex raw(R"(\{(true|false)\}|TEXT:|FLOAT|UINT|:\w+ in \[)");
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(text, found, raw)) << command << ": " << found.str() << "\n" << text;
+  }
+  ::unsetenv("COLUMNS");
+  const auto first_line = [&](const char* arguments) { return lines_of(run(arguments).messages).at(0); };
+  EXPECT_EQ(first_line("verify --link sim"), "triskin: DESIGN is missing");
+  EXPECT_EQ(first_line("--nonsense"), "triskin: --nonsense is not known here");
+  EXPECT_EQ(first_line("robot add r.json s.json --xyz-mm 1,2"), "triskin: --xyz-mm: 3 values are needed, 2 given");
+  EXPECT_EQ(first_line("identify s.json --link sim --by-hand --finger"),
+            "triskin: --by-hand and --finger cannot stand together");
 }
 
 TEST_F(Help, a_range_is_said_in_short_numbers_with_its_unit) {

@@ -86,9 +86,9 @@ TEST_F(Recordings, formats_hold_the_same_samples) {
   EXPECT_EQ(mcap["samples"], recovered("r.mcap")["samples"]);
   const std::string text = read_file(folder_ / "r.csv");
   EXPECT_EQ(static_cast<std::uint64_t>(std::ranges::count(text, '\n')), csv["samples"].get<std::uint64_t>() + 1);
-  EXPECT_EQ(run("record strip.json --link sim --seconds 1 -o r.csv --to mcap").status, 2);
+  EXPECT_EQ(run("record strip.json --link sim --seconds 1 -o r.csv --format mcap").status, 2);
   EXPECT_EQ(run("record strip.json --link sim --seconds 1 -o r.dat").status, 2);
-  EXPECT_EQ(run("record strip.json --link sim --seconds 1 -o r.dat --to mcap").status, 0);
+  EXPECT_EQ(run("record strip.json --link sim --seconds 1 -o r.dat --format mcap").status, 0);
 }
 
 TEST_F(Recordings, the_file_is_opened_before_the_link) {
@@ -102,7 +102,7 @@ TEST_F(Recordings, the_file_is_opened_before_the_link) {
 }
 
 TEST_F(Recordings, a_full_disk_is_said) {
-  const Outcome full = run("record strip.json --link sim --seconds 1 --to mcap -o /dev/full");
+  const Outcome full = run("record strip.json --link sim --seconds 1 --format mcap -o /dev/full");
   EXPECT_EQ(full.status, 2);
   EXPECT_THAT(full.messages, HasSubstr("No space left on device"));
 }
@@ -115,7 +115,7 @@ TEST_F(Recordings, signals_end_a_recording_in_order) {
     ::kill(child, signal);
     EXPECT_EQ(end_of(child), status);
     EXPECT_TRUE(recovered("r.mcap")["was_complete"]) << status;
-    EXPECT_THAT(read_file(folder_ / "log"), HasSubstr("what came until then is in the file"));
+    EXPECT_THAT(read_file(folder_ / "log"), HasSubstr("the file holds what arrived until then"));
   }
 }
 

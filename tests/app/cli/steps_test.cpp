@@ -6,11 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "app/cli/shell_case.hpp"
 #include "support/places.hpp"
@@ -51,6 +53,34 @@ TEST_F(Steps, a_net_is_placed_and_the_modules_are_routed) {
   EXPECT_GE(nlohmann::json::parse(routed.out)["patches"].get<int>(), (modules + 15) / 16);
 }
 
+// A comb with twelve teeth of 1 m × 24 mm, in which no module fits, and a plate of 60 mm at its end: a design of some
+// modules on a surface that has room for hundreds is not the one that was meant.
+TEST_F(Steps, a_cover_of_hardly_anything_is_no_success_and_says_what_to_choose) {
+  require_geometry();
+  if (IsSkipped()) return;
+  constexpr int kTeeth = 12;
+  std::vector<double> xs{0.0, 60.0};
+  for (int k = 0; k < kTeeth; ++k) xs.insert(xs.end(), {100.0 + 60.0 * k, 124.0 + 60.0 * k});
+  const std::array ys{0.0, 24.0, 60.0, 1024.0};
+  std::string mesh;
+  for (const double y : ys) {
+    for (const double x : xs) mesh += fmt::format("v {} {} 0\n", x, y);
+  }
+  for (std::size_t row = 0; row + 1 < ys.size(); ++row) {
+    for (std::size_t column = 0; column + 1 < xs.size(); ++column) {
+      const bool is_plate = column == 0 && row == 1, is_tooth = column >= 2 && column % 2 == 0;
+      if (row > 0 && !is_plate && !is_tooth) continue;
+      const std::size_t a = row * xs.size() + column + 1, above = a + xs.size();
+      mesh += fmt::format("f {} {} {}\nf {} {} {}\n", a, a + 1, above + 1, a, above + 1, above);
+    }
+  }
+  write("comb.obj", mesh);
+  const Outcome few = run("design comb.obj -o comb.json --iterations 5 --time-limit-s 100");
+  EXPECT_EQ(few.status, 1) << few.messages;
+  EXPECT_THAT(few.out, AllOf(testing::ContainsRegex("Only [0-9]+ modules? of [0-9]+ by area: choose the body"),
+                             HasSubstr("--side"), HasSubstr("repair the mesh")));
+}
+
 TEST_F(Steps, a_design_is_changed_by_hand) {
   require_geometry();
   if (IsSkipped()) return;
@@ -65,7 +95,8 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   EXPECT_EQ(result["map"][2], 2);
   EXPECT_LE(result["renumbered"], 3);
   EXPECT_EQ(run("check b.json").status, 0);
-  EXPECT_THAT(run("edit a.json --keep 0-2 --mirror x -o c.json").messages, HasSubstr("excludes"));
+  EXPECT_THAT(run("edit a.json --keep 0-2 --mirror x -o c.json").messages,
+              HasSubstr("--keep and --mirror cannot stand together"));
   // A design under the name of another format would be taken for a mesh.
   const Outcome misnamed = run("edit a.json --remove 1 -o c.OBJ");
   EXPECT_EQ(misnamed.status, 2);

@@ -234,7 +234,7 @@ TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
   reroute.send({.client = 0, .number = 0, .patch = 9});
   EXPECT_TRUE(reroute.wait([](const auto& a) {
     EXPECT_FALSE(a.success);
-    EXPECT_STREQ(a.message, "no controller of patch 9 hangs here; patches count from 0");
+    EXPECT_STREQ(a.message, "no controller of patch 9 is on this bus; patches count from 0");
   }));
   std::uint32_t pressed = 0;
   EXPECT_TRUE(wait_until([&] {

@@ -62,8 +62,8 @@ def main():
             assert text(recorded.attrs["link"]) == "sim" and text(recorded["value"].attrs["unit"]) == "counts"
             design = json.loads(text(recorded["design"][()]))
             assert design["design_id"] == text(recorded.attrs["design_id"])
-        assert "mcap or csv" in triskin(folder, "record", "strip.json", "--link", "sim", "--to", "hdf5", "-o", "-", status=2)
-        assert "choose one" in triskin(folder, "record", "strip.json", "--link", "sim", "--to", "csv", "-o", "b.h5", status=2)
+        assert "mcap or csv" in triskin(folder, "record", "strip.json", "--link", "sim", "--format", "hdf5", "-o", "-", status=2)
+        assert "choose one" in triskin(folder, "record", "strip.json", "--link", "sim", "--format", "csv", "-o", "b.h5", status=2)
     print("the recordings agree")
     return 0
 

@@ -324,7 +324,9 @@ const Registration kBridge{{
       app.add_flag("!--no-services", options->services, "without the services to tare, reroute and identify");
       app.add_option("--parent", options->bridge.parent_frame, "frame of the link that carries the cover")
           ->capture_default_str();
-      app.add_option("--pose", options->pose, "of the cover's mesh in it: x y z (m), quaternion x y z w")->expected(7);
+      app.add_option("--pose", options->pose, "of the cover's mesh in it: x,y,z (m) and quaternion x,y,z,w")
+          ->delimiter(',')
+          ->expected(7);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       return [options](Output& output) { return run(*options, output); };

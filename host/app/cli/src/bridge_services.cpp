@@ -81,7 +81,7 @@ bridge::Reroute::Answer CoverServices::reroute(session::Bus& bus, std::int32_t p
   std::vector<layout::PatchIndex> patches = design::patches_here(cover_.design());
   if (patch >= 0) std::erase_if(patches, [&](layout::PatchIndex p) { return p != patch; });
   if (patches.empty()) {
-    answer.message = fmt::format("no controller of patch {} hangs here; patches count from 0", patch);
+    answer.message = fmt::format("no controller of patch {} is on this bus; patches count from 0", patch);
     return answer;
   }
   bridge_services::ask_each(bus, cover_.design(), patches, answer,

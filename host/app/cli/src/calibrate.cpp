@@ -58,7 +58,7 @@ void ask_person(const std::string& request) {
   std::string line;
   if (!std::getline(std::cin, line))
     throw InputError("calibrate waits for Enter after each step, and standard input has ended; run it in a terminal");
-  if (interrupt_request()) throw Cancelled("ended by a person");
+  if (interrupt_request()) throw Cancelled("stopped by the user");
 }
 
 // Returns the modules of --modules in ascending order; none stands for all.
@@ -89,7 +89,7 @@ skin::CalibrationOutcome measure_steps(const Options& options, session::Bus& bus
   link::TouchActuator* actuator = options.by_hand ? nullptr : cover.actuator();
   layout::ModuleId pressed = layout::ModuleId::none();
   calibrate.apply = [&](const skin::PressureStep& step) {
-    if (interrupt_request()) throw Cancelled("ended by a person");
+    if (interrupt_request()) throw Cancelled("stopped by the user");
     if (actuator == nullptr) return ask_person(request_of(step, of_gram));
     if (pressed != step.module) actuator->pressurize(pressed, 0.0);
     actuator->pressurize(pressed = step.module, step.pressure_kpa);
@@ -159,12 +159,13 @@ void print_report(const skin::CalibrationOutcome& outcome, Output& output) {
 nlohmann::json rows_of(const std::vector<skin::KeptCalibration>& kept, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& [board, in_controller] : kept) {
-    output.say(in_controller
-                   ? fmt::format("controller {}  keeps revision {} of its calibration", board.serial, board.revision)
-                   : fmt::format("controller {}  did not take revision {} of its calibration, so this computer alone "
-                                 "keeps it: its firmware is older (triskin flash --firmware) or its table is of "
-                                 "another design (triskin flash)",
-                                 board.serial, board.revision));
+    output.say(
+        in_controller
+            ? fmt::format("controller {}  keeps revision {} of its calibration", board.serial, board.revision)
+            : fmt::format(
+                  "controller {}  did not accept revision {} of its calibration, so only this computer has it: its "
+                  "firmware is too old (triskin flash --firmware), or its table is of another design (triskin flash)",
+                  board.serial, board.revision));
     rows.push_back({{"serial", board.serial},
                     {"revision", board.revision},
                     {"made", board.made},
@@ -186,8 +187,7 @@ void keep(const Options& options, skin::LiveBus& bus, skin::LiveCover& cover, sk
 
 int forget(skin::LiveBus& bus, const skin::LiveCover& cover, Output& output) {
   const std::vector<std::string> forgotten = skin::forget_calibration(bus, cover);
-  for (const std::string& serial : forgotten)
-    output.say(fmt::format("controller {}  its calibration is forgotten", serial));
+  for (const std::string& serial : forgotten) output.say(fmt::format("controller {}  calibration forgotten", serial));
   output.say(fmt::format("{} {} forgotten", counted(forgotten.size(), "calibration"),
                          agreeing(forgotten.size(), "was", "were")));
   output.result = {{"forgotten", forgotten}};
@@ -198,7 +198,7 @@ int forget(skin::LiveBus& bus, const skin::LiveCover& cover, Output& output) {
 int write_again(const Options& options, skin::LiveBus& bus, const skin::LiveCover& cover, Output& output) {
   const auto kept = skin::keep_calibration_file(bus, cover, options.from);
   if (kept.empty())
-    throw InputError(fmt::format("--from {}: has none of the controllers of {} that answer; nothing was written",
+    throw InputError(fmt::format("--from {}: no entry for any controller of {} that answers; nothing was written",
                                  options.from, cover.design().name));
   output.result = {{"boards", rows_of(kept, output)}};
   return std::ranges::all_of(kept, &skin::KeptCalibration::in_controller) ? 0 : 1;
@@ -232,7 +232,7 @@ int run(const Options& options, Output& output) {
   const std::string rest = rest_of(own.calibrate, cover.design(), outcome.measured);
   keep(own, bus, cover, std::move(outcome), output);
   if (!rest.empty())
-    output.say(fmt::format("ended before its end; what was measured is kept, --modules {} does the rest", rest));
+    output.say(fmt::format("stopped early; the results so far are kept, and --modules {} does the rest", rest));
   output.result["left"] = rest;
   return complete && rest.empty() ? 0 : 1;
 }
@@ -245,36 +245,36 @@ const Registration kCalibrate{{
       auto options = std::make_shared<Options>();
       add_site_options(app, options->site);
       app.add_option("--steps", options->steps_kpa,
-                     "pressures on the whole skin, kPa, as of a bag with a gauge: each is asked for and held")
+                     "pressures on the whole skin in kPa, such as from an air bag with a gauge")
           ->delimiter(',')
           ->check(CLI::Range(0.01, 1000.0));
-      app.add_option("--weights", options->weights_g, "weights on a foot, g: each is asked for on each module in turn")
+      app.add_option("--weights", options->weights_g, "weights on a foot in g, asked for on each module in turn")
           ->delimiter(',')
           ->check(CLI::Range(0.1, 1e5));
       app.add_option("--foot-mm2", options->foot_mm2, "with --weights: area of the foot; default: that of a module")
           ->check(CLI::Range(1.0, 1e5));
-      app.add_option("--ramp", options->ramp,
-                     "file of a gauge with lines \"unix_s,kpa\" while the pressure on the whole skin rises and falls");
+      app.add_option(
+          "--ramp", options->ramp,
+          "gauge file with lines \"unix_s,kpa\", written while the pressure on the whole skin rises and falls");
       app.add_option("--from", options->from,
-                     "measure nothing: write the calibration of this file into the controllers that it is of");
-      app.add_option("--modules", options->modules,
-                     "calibrate these modules alone, as 3,7-9; the others keep the calibration that they have");
+                     "measure nothing; write the calibrations in this file into their controllers");
+      app.add_option("--modules", options->modules, "calibrate only these modules, as 3,7-9; the others keep theirs");
       app.add_option("-o,--output", options->output, "also writes the calibration into this file");
-      app.add_option("--settle-s", options->calibrate.settle_s, "a step is left alone for so long")
+      app.add_option("--settle-s", options->calibrate.settle_s, "time to settle after each step")
           ->check(CLI::Range(0.0, 600.0))
           ->capture_default_str();
-      app.add_option("--hold-s", options->calibrate.hold_s, "then its samples count for so long")
+      app.add_option("--hold-s", options->calibrate.hold_s, "time that is averaged after settling")
           ->check(CLI::Range(0.1, 600.0))
           ->capture_default_str();
       app.add_option("--gauge-percent", options->calibrate.gauge_percent,
-                     "error of gauge or weights; it is added to that of every taxel")
+                     "error of the gauge or weights, added to that of every taxel")
           ->check(CLI::Range(0.0, 50.0))
           ->capture_default_str();
-      app.add_option("--most-error-percent", options->calibrate.max_error_percent,
-                     "a taxel with a larger error is left without a calibration")
+      app.add_option("--max-error-percent", options->calibrate.max_error_percent,
+                     "taxels with a larger error stay uncalibrated")
           ->check(CLI::Range(0.01, 100.0))
           ->capture_default_str();
-      app.add_flag("--by-hand", options->by_hand, "ask for every step also on simulated links, which else press");
+      app.add_flag("--by-hand", options->by_hand, "ask for every step on simulated links too");
       app.add_flag("--forget", options->forget, "forget the calibrations of the design's controllers, there and here");
       return [options](Output& output) { return run(*options, output); };
     },

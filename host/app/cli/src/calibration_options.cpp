@@ -12,8 +12,8 @@ namespace triskin::cli {
 
 void add_calibration_options(CLI::App& app, CalibrationOptions& options) {
   app.add_option("--calibration", options.file,
-                 "file of triskin calibrate, for kPa and N; default: what the controllers keep, else what this "
-                 "computer keeps for them; none: counts");
+                 "calibration file, for kPa and N (none: counts; default: the calibration in the controllers, else the "
+                 "one on this computer)");
 }
 
 namespace {
@@ -58,7 +58,7 @@ void calibrate_cover(const CalibrationOptions& options, skin::LiveBus& bus, skin
                            counted(calibration.missing(), "module"), agreeing(calibration.missing(), "has", "have")));
   } else if (!options.file.empty()) {
     throw InputError(
-        fmt::format("--calibration {}: has none of the controllers of {}; calibrate them with triskin "
+        fmt::format("--calibration {}: no entry for any controller of {}; calibrate them with triskin "
                     "calibrate, or leave the option out",
                     options.file, cover.design().name));
   }
@@ -66,8 +66,8 @@ void calibrate_cover(const CalibrationOptions& options, skin::LiveBus& bus, skin
 
 std::string note_of_other(const design::BoardCalibration& board) {
   return fmt::format(
-      "controller {} keeps a calibration of patch {} of design {:016x}, other modules, so it is not "
-      "used: run triskin calibrate",
+      "controller {} holds a calibration for other modules (patch {} of design {:016x}), which is not used; run "
+      "triskin calibrate",
       board.serial, board.patch, board.design_id);
 }
 

@@ -178,8 +178,7 @@ void add_options(CLI::App& app, Options& options) {
                  "find the contacts that explain the taxels of this file (docs/mechanics.md)");
   app.add_flag("--table", options.table, "print error and cost of each level against the exact layer, as Markdown");
   app.add_option("--draws", options.draws,
-                 "draw so many noisy observations of known contacts and print how true the estimates and their "
-                 "deviations are");
+                 "test the estimates and their deviations on this many noisy observations of known contacts");
   app.add_option("--seed", options.seed, "seed of --draws")->capture_default_str();
 }
 

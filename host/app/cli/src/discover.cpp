@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ namespace triskin::cli::discover_command {
 namespace {
 
 struct Options {
-  std::string robot, elf;
+  std::string file, elf;
   connect::LinkOptions link;
   bool topology = false, note = false;
   std::vector<std::string> designs;
@@ -137,9 +138,9 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
     if (patch < 0 || id != fmt::format("{:016x}", cover.design.design_id)) continue;
     j["cover"] = cover.name;
     j["patch"] = patch;
-    return fmt::format("  {}, patch {}", cover.name, patch);
+    return fmt::format("  {}patch {}", cover.name.empty() ? "" : cover.name + ", ", patch);
   }
-  return "  of no cover here";
+  return "  of another design";
 }
 
 // Returns problems that the board reports about itself, one line each.
@@ -184,10 +185,8 @@ int note_serials(const std::string& file, const nlohmann::json& controllers) {
 }
 
 int run_robot(const Options& options, Output& output) {
-  if (!robot::is_robot_file(options.robot))
-    throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
-  if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
-  skin::LiveSkin skin = open_skin({options.robot, "", options.link}, output);
+  if (options.topology) throw InputError("discover: --topology looks at one link; give --link and a design file");
+  skin::LiveSkin skin = open_skin({options.file, "", options.link}, output);
   std::vector<Found> buses(skin.buses().size());
   skin.on_each_bus([&](skin::LiveBus& bus) { buses[bus.index()] = look_at(bus, options.elf); });
   nlohmann::json controllers = nlohmann::json::array();
@@ -200,9 +199,9 @@ int run_robot(const Options& options, Output& output) {
   }
   output.result = {{"iso_tp", kernel ? "kernel" : "program"}};
   if (options.note) {
-    const int noted = note_serials(options.robot, controllers);
+    const int noted = note_serials(options.file, controllers);
     output.result["noted"] = noted;
-    output.say(fmt::format("{}: {} serial numbers written", options.robot, noted));
+    output.say(fmt::format("{}: {} written", options.file, counted(noted, "serial number")));
   }
   output.result["controllers"] = std::move(controllers);
   return 0;
@@ -211,6 +210,11 @@ int run_robot(const Options& options, Output& output) {
 int run_link(const Options& options, Output& output) {
   if (options.note) throw InputError("discover: --note writes into a robot file; give one");
   std::vector<NamedDesign> designs;
+  std::optional<robot::Site> site;
+  if (!options.file.empty()) {
+    site = robot::read_site(options.file);
+    designs.emplace_back(options.file, site->buses.front().covers.front().design);
+  }
   for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = connect::open_link(options.link, simulated ? &designs[0].second : nullptr);
@@ -224,7 +228,7 @@ int run_link(const Options& options, Output& output) {
   for (const auto& claim : claims) {
     const bool unique = users[claim.node_address] == 1;
     nlohmann::json j = describe(bus, claim, unique, options.elf);
-    output.say(line_of(j, ""));
+    output.say(line_of(j, site ? place_on(site->buses.front(), j) : ""));
     for (const std::string& remark : remarks_of(j)) output.say("  " + remark);
     if (options.topology && unique) {
       j["topology"] = ask_topology(bus, claim, designs, output);
@@ -237,25 +241,25 @@ int run_link(const Options& options, Output& output) {
 }
 
 int run(const Options& options, Output& output) {
-  return options.robot.empty() ? run_link(options, output) : run_robot(options, output);
+  const bool is_robot = !options.file.empty() && robot::is_robot_file(options.file);
+  return is_robot ? run_robot(options, output) : run_link(options, output);
 }
 
 const Registration kDiscover{{
     "discover",
     "list the controllers on a link and what answers on their lines",
-    "triskin discover --link sim --scene forearm.json",
+    "triskin discover forearm.json --link sim",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("ROBOT", options->robot, "robot file: all of its buses, and which cover each controller serves");
+      app.add_option("DESIGN", options->file,
+                     "design file, or robot file: which patch each controller serves; or only --link");
       add_link_options(app, options->link);
       app.add_flag("--note", options->note, "with a robot file: write the serial numbers into it");
       app.add_flag(
           "--topology", options->topology,
-          "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms; "
-          "controllers without a table that share a node address get their own");
-      app.add_option(
-          "--design", options->designs,
-          "design files that the topology is compared with; also recognizes patches that were never flashed");
+          "let controllers of switched modules find their modules and joints (interrupts sampling for up to 60 ms)");
+      app.add_option("--design", options->designs,
+                     "further design files for --topology: recognizes their patches, even those never flashed");
       app.add_option("--elf", options->elf,
                      "image of the firmware (triskin_app_a.elf or _b): names function and line of a crash");
       return [options](Output& output) { return run(*options, output); };

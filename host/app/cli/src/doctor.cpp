@@ -124,7 +124,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kDoctor{{
     "doctor",
-    "what this computer lacks for skin hardware, each with the command that mends it",
+    "check this computer for skin hardware: what is missing, and the command that adds it",
     "triskin doctor",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();

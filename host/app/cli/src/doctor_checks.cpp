@@ -57,7 +57,7 @@ bool has_rule(const fs::path& root, const std::string& subsystem) {
 DoctorCheck rule_check(const Machine& machine, const std::string& name, const std::string& subsystem,
                        const std::string& rule) {
   if (has_rule(machine.root, subsystem)) return good(name, "is installed");
-  return {name, false, "there is none, so only root may open a board",
+  return {name, false, "missing, so only root may open a board",
           fmt::format("echo '{}' | sudo tee -a {} && sudo udevadm control --reload && sudo udevadm trigger", rule,
                       kRuleFile)};
 }
@@ -79,7 +79,7 @@ bool has_module(const fs::path& root, const std::string& name) {
 DoctorCheck module_check(const Machine& machine, const std::string& name, const std::string& use, bool needed) {
   const std::string title = "kernel module " + name;
   if (has_module(machine.root, name)) return good(title, "is there");
-  return {title, false, fmt::format("this kernel has none, for {}", use),
+  return {title, false, fmt::format("missing in this kernel; needed for {}", use),
           fmt::format("sudo apt-get install linux-image-$(dpkg --print-architecture) && sudo modprobe {}", name),
           needed};
 }
@@ -193,7 +193,7 @@ std::vector<DoctorCheck> attached_checks(const connect::AttachedDevice& device,
   if (!device.usable) {
     if (device.link.starts_with("can:")) return {};  // check_interfaces() reports CAN interfaces.
     return {{"permission for " + device.link, false,
-             "the device node may not be opened; a new group counts when you log in again",
+             "no permission to open the device; a new group takes effect at the next login",
              "sudo usermod -aG plugdev \"$USER\" && sudo udevadm trigger"}};
   }
   const bool answers = std::ranges::any_of(boards, [&](const AnsweringBoard& b) { return b.link == device.link; });
@@ -232,7 +232,7 @@ DoctorCheck dds_file_check(const Machine& machine) {
   const std::string path = uri.starts_with(scheme) ? uri.substr(scheme.size()) : "";
   if (path.empty() || fs::exists(machine.root / fs::path(path).relative_path()))
     return good("DDS configuration", uri.empty() ? "by default" : uri);
-  return {"DDS configuration", false, fmt::format("CYCLONEDDS_URI names {}, which is not there", path),
+  return {"DDS configuration", false, fmt::format("CYCLONEDDS_URI names {}, which does not exist", path),
           "unset CYCLONEDDS_URI"};
 }
 
@@ -276,8 +276,8 @@ std::vector<DoctorCheck> check_surroundings(const Machine& machine) {
   if (machine.has_program("xdg-open"))
     checks.push_back(good("browser", "xdg-open is there"));
   else
-    checks.push_back(
-        {"browser", false, "triskin view can start none", "sudo apt-get install xdg-utils firefox-esr", false});
+    checks.push_back({"browser", false, "none found, so triskin view cannot start one",
+                      "sudo apt-get install xdg-utils firefox-esr", false});
   for (const OptionalPart& part : machine.parts) {
     if (part.is_there)
       checks.push_back(good(part.name, "is built in"));

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
+#include <string>
 
-#include "link_options.hpp"
+#include "site_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
-#include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/frame_text.hpp"
 #include "triskin/wire/node_claim.hpp"
@@ -19,8 +20,7 @@ namespace {
 constexpr std::uint64_t kLook_us = 100'000;
 
 struct Options {
-  std::string design;
-  connect::LinkOptions link;
+  SiteOptions site;
   double seconds = 0.0;
   std::uint64_t frames = 0;
   bool ask = false;
@@ -28,7 +28,8 @@ struct Options {
 
 class Dump {
  public:
-  Dump(link::Link& link, const Options& options, Output& output) : link_(link), options_(options), output_(output) {}
+  Dump(link::Link& link, std::string name, const Options& options, const Output& output)
+      : link_(link), name_(std::move(name)), options_(options), output_(output) {}
 
   void run() {
     start_us_ = link_.now_us();
@@ -40,12 +41,12 @@ class Dump {
       if (pace) pace->hold(link_.now_us());
       if (const auto frame = link_.receive(link_.now_us() + kLook_us)) print(*frame);
     }
-    output_.result = {{"frames", count_}, {"thrown_away", link_.thrown_away()}};
-    output_.say(counted(count_, "frame"));
+    output_.say(name_ + ": " + counted(count_, "frame"));
     if (link_.thrown_away() > 0)
-      output_.say(fmt::format("{} came faster than they were read", counted(link_.thrown_away(), "frame")));
+      output_.say(fmt::format("{}: {} came faster than they were read", name_, counted(link_.thrown_away(), "frame")));
     if (const std::string trouble = link_.trouble(); !trouble.empty()) output_.say(trouble);
   }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:
   [[nodiscard]] double seconds() const { return 1e-6 * static_cast<double>(link_.now_us() - start_us_); }
@@ -61,25 +62,32 @@ class Dump {
   void print(const wire::CanFrame& frame) {
     ++count_;
     const std::string bytes = session::bytes_text(frame), meaning = reader_.text(frame);
-    if (!output_.json()) output_.say(fmt::format("({:.6f})  {}  {:<36}  {}", seconds(), link_.name(), bytes, meaning));
-    output_.each({{"time_s", seconds()}, {"frame", bytes}, {"meaning", meaning}});
+    if (!output_.json()) output_.say(fmt::format("({:.6f})  {}  {:<36}  {}", seconds(), name_, bytes, meaning));
+    nlohmann::json row = {{"time_s", seconds()}, {"frame", bytes}, {"meaning", meaning}};
+    if (name_ != link_.name()) row["bus"] = name_;
+    output_.each(row);
   }
 
   link::Link& link_;
+  std::string name_;  // of the bus of a robot, else of the link
   const Options& options_;
-  Output& output_;
+  const Output& output_;
   session::FrameReader reader_;
   std::uint64_t start_us_ = 0, count_ = 0;
 };
 
 int run(const Options& options, Output& output) {
   output.expect_interrupt();
-  std::optional<design::Design> design;
-  if (!options.design.empty()) design = design::read_intact_design(options.design);
-  const auto link = connect::open_link(options.link, design ? &*design : nullptr);
-  say_simulated(*link, output);
-  link->receive_from_all();
-  Dump(*link, options, output).run();
+  std::atomic<std::uint64_t> frames = 0, thrown_away = 0;
+  on_each_bus(options.site, output, [&](const OpenBus& at) {
+    at.link.receive_from_all();
+    Dump dump(at.link, at.config == nullptr || at.config->name.empty() ? at.link.name() : at.config->name, options,
+              output);
+    dump.run();
+    frames += dump.count();
+    thrown_away += at.link.thrown_away();
+  });
+  output.result = {{"frames", frames.load()}, {"thrown_away", thrown_away.load()}};
   return 0;
 }
 
@@ -89,8 +97,8 @@ const Registration kDump{{
     "triskin dump --link can:can0 --seconds 10",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file: what the link sim simulates");
-      add_link_options(app, options->link);
+      app.add_option("DESIGN", options->site.file, "design file, or robot file: all of its buses; or only --link");
+      add_link_options(app, options->site.link);
       app.add_option("--seconds", options->seconds, "ends after this time; 0: with Ctrl-C")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();

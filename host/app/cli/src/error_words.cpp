@@ -68,7 +68,12 @@ std::string plain_words(const std::string& message) {
   static const std::regex choice(R"((.*?): (?:Check )?(.*?) (?:value |not )in \{(.*?)\}.*)");
   static const std::regex stranger(R"(The following arguments? (?:was|were) not expected: (.*))");
   std::smatch m;
+  static const std::regex required("(.*) is required"), excludes("(.*) excludes (.*)"),
+      requires_other("(.*) requires (.*)");
   if (message == "--output is required") return "-o FILE is missing: where the result goes";
+  if (std::regex_match(message, m, required)) return fmt::format("{} is missing", m.str(1));
+  if (std::regex_match(message, m, excludes)) return fmt::format("{} and {} cannot stand together", m.str(1), m.str(2));
+  if (std::regex_match(message, m, requires_other)) return fmt::format("{} needs {} too", m.str(1), m.str(2));
   if (std::regex_match(message, m, range))
     return is_number(m[2]) ? fmt::format("{}: {} is not between {} and {}{}", m.str(1), m.str(2), short_number(m[3]),
                                          short_number(m[4]), unit_of(m[1]))

@@ -31,9 +31,9 @@ design::Vec3 point_of(const std::string& text) {
 void FaceOptions::add_to(CLI::App& app) {
   const std::string kGroup = "Faces of a STEP or IGES file (see triskin faces)";
   const auto add = [&](CLI::Option* option) { return option->group(kGroup); };
-  add(app.add_option("--face", faces_, "by index, as many as wanted"))->delimiter(',');
+  add(app.add_option("--face", faces_, "by index; several with commas"))->delimiter(',');
   add(app.add_option("--face-name", chosen_.names, "by name; may be repeated"))->expected(1)->take_all();
-  add(app.add_option("--face-colour", chosen_.colours, "by colour, #rrggbb or a name such as red; may be repeated"))
+  add(app.add_option("--face-color", chosen_.colours, "by colour, #rrggbb or a name such as red; may be repeated"))
       ->expected(1)
       ->take_all();
   add(app.add_option("--face-kind", kinds_, "by kind of surface: " + cad::kSurfaceKindNames.list()))->delimiter(',');

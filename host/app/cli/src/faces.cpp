@@ -157,20 +157,21 @@ const Registration kFaces{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("PART", options->part, "STEP (AP203, AP214, AP242) or IGES")->required();
-      const std::map<std::string, double> units{{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"inch", 25.4}};
+      const std::map<std::string, double> units{{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"in", 25.4}, {"inch", 25.4}};
       app.add_option("--unit", options->read.unit_mm, "unit of the file's numbers, whatever the file says")
           ->transform(one_of(units));
       app.add_option("--deviation-mm", options->read.max_deviation_mm,
                      "largest distance of the mesh from the exact surface")
           ->check(CLI::Range(0.001, 10.0))
           ->capture_default_str();
-      app.add_option("--time-limit-s", options->read.time_limit_s, "processor time after which the reader is ended")
+      app.add_option("--time-limit-s", options->read.time_limit_s, "limit of the reader's processor time")
           ->check(CLI::Range(0.1, 1e5))
           ->capture_default_str();
       app.add_option("--picture", options->picture, "SVG of the part from two sides with the index of each face");
       options->faces.add_to(app);
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -198,7 +198,7 @@ void add_board_file(Options& options, const robot::Site& site) {
   if (options.assign_file.empty()) return;
   const auto& covers = site.buses.at(0).covers;
   const auto cover = std::ranges::find_if(covers, [](const robot::CoverConfig& c) { return c.chosen; });
-  if (cover == covers.end()) throw InputError("--assign-file: the cover has nothing on this bus");
+  if (cover == covers.end()) throw InputError("--assign-file: the cover has no controller on this bus");
   for (const auto& a : deploy::read_board_file(options.assign_file, cover->design).boards) {
     const bool named = std::ranges::any_of(
         options.flash.assign, [&](const auto& given) { return given.patch == a.patch || given.serial == a.serial; });
@@ -218,7 +218,7 @@ std::optional<deploy::FirmwarePackage> package_of(const Options& options) {
 void require_backup_files(const BackupOptions& backup) {
   if (!backup.onto.empty() && backup.restore.empty()) throw InputError("--onto belongs to --restore");
   if (!backup.save.empty() && backup.save == backup.restore)
-    throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
+    throw InputError("--save and --restore name the same file, which would be lost; give two");
 }
 
 int run(Options options, Output& output) {
@@ -274,38 +274,33 @@ const Registration kFlash{{
       add_site_options(app, options->site);
       add_firmware_options(app, options->firmware);
       add_backup_options(app, options->backup);
-      app.add_option("--wait-s", options->flash.wait_s,
-                     "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
+      app.add_option("--wait-s", options->flash.wait_s, "how long to wait for a cable that was pulled (0: end at once)")
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();
       app.add_option("--per-wire", options->flash.per_wire,
-                     "controllers served at once on one CAN bus, 1: a bus analyser shows whole transfers; on different "
-                     "wires all are")
+                     "controllers served at once on one CAN bus (1: a bus analyser shows whole transfers)")
           ->check(CLI::Range(1, int{layout::kMaxNodes}))
           ->capture_default_str();
-      app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
+      app.add_flag("--dry-run", options->flash.dry_run, "show what would change; write nothing");
       app.add_option("--route", options->route,
                      "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or "
                      "of a joint")
           ->capture_default_str();
       app.add_option("--assign", options->assign,
-                     "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
-                     "given several times");
+                     "PATCH=SERIAL: this controller gets the patch, whatever it holds; may be repeated");
       app.add_option("--assign-file", options->assign_file,
                      "the same from a file that triskin identify wrote (docs/deploy.md)");
       app.add_flag(
           "--by-serial", options->by_serial,
-          "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "
-          "the shapes of their patches, and refused where those are equal");
+          "give the patches to fresh controllers by ascending serial number (default: by the shapes of the patches)");
       app.add_flag("--no-touch", options->no_touch,
-                   "on a simulated link: no virtual finger where shapes do not tell fresh controllers apart");
-      app.add_option("--patch", options->flash.patch, "this patch alone, with its one controller on the link")
+                   "on a simulated link: no virtual finger for patches that look alike");
+      app.add_option("--patch", options->flash.patch, "only this patch; its controller is the only one on the link")
           ->check(CLI::Range(0, int{layout::kLastNode} - 1));
-      app.add_flag("--take-over", options->flash.take_over,
-                   "take controllers that hold a table of another design, too");
+      app.add_flag("--take-over", options->flash.take_over, "overwrite the tables of other designs too");
       app.add_flag("--positive-input", options->flash.positive_input,
-                   "the electrodes hang on the converters' positive input, as on the installed iCub boards");
-      app.add_flag("--force", options->flash.force, "write tables that are equal, too");
+                   "electrodes at the converters' positive input, as on the installed iCub boards");
+      app.add_flag("--force", options->flash.force, "write equal tables too");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kHardware,

@@ -31,7 +31,7 @@ std::map<std::string, std::string> read_onto(const std::vector<std::string>& tex
 }
 
 std::string outcome_of(const deploy::RestoredBoard& b, bool dry_run) {
-  if (b.bytes == 0) return "had no table: what it holds stays";
+  if (b.bytes == 0) return "had no table; left as it is";
   if (b.equal) return "equal, skipped";
   if (dry_run) return fmt::format("would write {} for node address {}", counted(b.bytes, "byte"), b.node_address);
   if (!b.written) return fmt::format("node address {} again", b.node_address);
@@ -56,12 +56,10 @@ void restore_calibrations(std::span<const deploy::BoardBackup> boards, std::span
 }  // namespace
 
 void add_backup_options(CLI::App& app, BackupOptions& options) {
-  app.add_option("--save", options.save, "before anything is written: keep what the controllers hold in this file");
+  app.add_option("--save", options.save, "first save what the controllers hold to this file");
   app.add_option("--restore", options.restore,
-                 "write back what --save kept, in place of the design's tables (docs/deploy.md says what that is)");
-  app.add_option("--onto", options.onto,
-                 "with --restore: OLD=NEW, serial numbers: controller NEW takes the place of OLD; may be given several "
-                 "times");
+                 "write back what --save saved, instead of the design's tables (docs/deploy.md)");
+  app.add_option("--onto", options.onto, "with --restore: OLD=NEW, serial numbers: NEW replaces OLD; may be repeated");
 }
 
 void save_backup(skin::LiveSkin& skin, const BackupOptions& options, Output& output) {
@@ -83,7 +81,7 @@ nlohmann::json report_restored(const deploy::RestoredBoard& b, bool dry_run, con
   if (b.calibrated) output.say(fmt::format("controller {}  holds its calibration again", b.serial));
   if (b.calibration_refused)
     output.say(
-        fmt::format("controller {}  did not take its calibration: its firmware is older; run triskin flash "
+        fmt::format("controller {}  did not accept its calibration: its firmware is too old; run triskin flash "
                     "--firmware, then restore again",
                     b.serial));
   return {{"serial", b.serial}, {"kept_from", b.kept_from}, {"node_address", b.node_address}, {"bytes", b.bytes},

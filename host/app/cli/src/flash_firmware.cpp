@@ -76,10 +76,10 @@ void add_firmware_options(CLI::App& app, FirmwareOptions& options) {
                  "firmware package for every controller on the link, over CAN, to all of a bus at once")
       ->check(CLI::ExistingFile);
   app.add_flag("--each", options.update.each,
-               "with --firmware: a controller that is ready starts it, also when another one refuses it");
+               "with --firmware: start it on the controllers that are ready, even if others refuse it");
   app.add_flag("--allow-older", options.update.allow_older, "with --firmware: also over a newer version");
   app.add_flag("--one-by-one", options.one_by_one,
-               "with --firmware: by the loader of one controller after the other, without sampling meanwhile");
+               "with --firmware: through the loaders, one controller after the other, without sampling");
   app.add_option_function<std::string>(
          "--board", [&options](const std::string& name) { std::ranges::copy(name, options.update.hardware.begin()); },
          "with --firmware: part number of the boards that the package is for")
@@ -122,9 +122,7 @@ FirmwareReport flash_firmware(std::span<link::Link* const> links, const std::set
   for (const wire::UniqueId& id : found.silent) {
     deploy::BoardUpdate board{.claim = {.unique_id = id},
                               .serial = session::to_text(id),
-                              .why =
-                                  "answered before and "
-                                  "does not any more; check its power and its cable, then run the command again"};
+                              .why = "no longer answers; check its power and cable, then run the command again"};
     print_report(board, report, output);
   }
   return report;

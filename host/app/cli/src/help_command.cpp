@@ -22,8 +22,9 @@ constexpr const char* kLinks = R"(Where the controllers are: --link LINK of ever
 
 Several real links are joined by commas: --link can:can0,can:can1
 Without --link a robot file names its links; for a design the environment
-variable TRISKIN_LINK does. Nothing is simulated unless it is asked for: by a
-link sim, or by --scene, --switched or --board-seed.
+variable TRISKIN_LINK does. --link sim or sim:HOST:PORT serves all buses of a
+robot file. Nothing is simulated unless it is asked for: by a link sim, or by
+--scene, --switched or --board-seed.
 triskin list shows what is attached; triskin doctor says what is missing.
 )";
 

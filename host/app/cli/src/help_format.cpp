@@ -49,7 +49,7 @@ std::string plain_number(const std::string& text) {
 
 TypeWords words_of(const std::string& type) {
   static const std::regex range(R"((\w+):\w+ in \[(.*) - (.*)\])"), choice(R"((\w+):\{(.*)\})");
-  static const std::regex kind(R"((\w+):([A-Z]+))");
+  static const std::regex kind(R"((\w+):(\w+))");
   std::smatch part;
   const auto name = [](const std::string& t) { return t == "FLOAT" || t == "UINT" || t == "INT" ? "NUMBER" : t; };
   if (std::regex_match(type, part, range))
@@ -57,6 +57,7 @@ TypeWords words_of(const std::string& type) {
   if (std::regex_match(type, part, choice)) return {"NAME", "one of " + choices_of(part[2])};
   if (std::regex_match(type, part, kind) && part[2] == "POSITIVE") return {name(part[1]), "above 0"};
   if (std::regex_match(type, part, kind) && part[2] == "NONNEGATIVE") return {name(part[1]), "0 or more"};
+  if (std::regex_match(type, part, kind)) return {part[2] == "DIR" ? "FOLDER" : part[2].str(), ""};
   return {name(type), ""};
 }
 
@@ -102,7 +103,9 @@ std::string HelpFormat::make_option(const CLI::Option* option, bool is_positiona
   const TypeWords type = words_of(option->get_type_name());
   std::string right = option->get_description();
   if (!type.remark.empty()) right += fmt::format("{}({})", right.empty() ? "" : " ", type.remark);
-  return row(make_option_name(option, is_positional) + behind_name(*option, is_positional ? "" : type.name), right);
+  static const std::regex value_of_flag(R"(\{\w+\})");
+  const std::string name = std::regex_replace(make_option_name(option, is_positional), value_of_flag, "");
+  return row(name + behind_name(*option, is_positional ? "" : type.name), right);
 }
 
 std::string HelpFormat::make_subcommand(const CLI::App* command) const {

@@ -82,14 +82,15 @@ int conclude(const std::vector<deploy::IdentifiedBoard>& boards, const Options& 
                          options.output.empty() || options.output == "-" ? "" : "; written to " + options.output));
   if (!missing.empty())
     output.say(
-        fmt::format("nobody felt a touch of {} {} within {:g} s: the patch is dead, its controller is not "
-                    "connected, or another patch was touched",
+        fmt::format("no touch of {} {} was felt within {:g} s: the patch is dead, its controller is not connected, or "
+                    "another patch was touched",
                     noun_after(missing.size() == 1, "patch"), fmt::join(missing, ", "), options.identify.limit_s));
   return missing.empty() ? 0 : 1;
 }
 
-void ask_for_touch(int patch, double limit_s) {
-  tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, limit_s));
+void ask_for_touch(int patch, double limit_s, bool is_simulated) {
+  tell_person(fmt::format("press any module of patch {} now (within {:g} s){}", patch, limit_s,
+                          is_simulated ? "; with --finger the simulation does" : ""));
 }
 
 int run(Options options, Output& output) {
@@ -100,7 +101,9 @@ int run(Options options, Output& output) {
   // Contacts in a scene act like fingers, so the program presses only without a scene.
   const bool own = link::is_in_process(options.site.link.link) && options.site.link.scene.empty();
   if (options.finger || (own && !options.by_hand)) options.identify.actuator = cover.actuator();
-  options.identify.ask = [&](layout::PatchIndex patch) { ask_for_touch(patch, options.identify.limit_s); };
+  options.identify.ask = [&](layout::PatchIndex patch) {
+    ask_for_touch(patch, options.identify.limit_s, output.simulated() && options.site.link.scene.empty());
+  };
   const auto boards = deploy::identify(
       skin.buses().front()->bus(), cover.design(), options.identify, [&](const deploy::IdentifiedBoard& found) {
         notes.add(found);
@@ -118,16 +121,16 @@ const Registration kIdentify{{
       auto options = std::make_shared<Options>();
       options->identify.limit_s = kDefaultLimit_s;
       add_site_options(app, options->site);
-      app.add_option("--patch", options->identify.patch, "ask for this patch alone, also where shapes settle it")
+      app.add_option("--patch", options->identify.patch, "ask for this patch only, even if its shape identifies it")
           ->check(CLI::Range(0, int{layout::kLastNode} - 1));
       app.add_option("-o,--output", options->output,
                      "assignment file for triskin flash --assign-file; an existing file for this design is extended");
-      app.add_option("--limit-s", options->identify.limit_s, "how long a touch of each patch is waited for")
+      app.add_option("--limit-s", options->identify.limit_s, "time limit of each touch")
           ->check(CLI::Range(0.1, 3600.0))
           ->capture_default_str();
       app.add_flag("--by-hand", options->by_hand,
-                   "wait for real touches on --link sim too, where normally a virtual finger presses");
-      app.add_flag("--finger", options->finger, "let the virtual finger of any simulation press, also of a served one")
+                   "wait for touches on --link sim too, where normally a virtual finger presses");
+      app.add_flag("--finger", options->finger, "let the virtual finger press on a served simulation too")
           ->excludes("--by-hand");
       return [options](Output& output) { return run(*options, output); };
     },

@@ -15,21 +15,14 @@ inline void add_link_options(CLI::App& app, connect::LinkOptions& options) {
   connect::settle_link(options, false);
   const auto simulate = [&options](const std::string&) { connect::settle_link(options, true); };
   app.add_option("--link", options.link,
-                 "sim, sim-usb, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several real ones joined by "
-                 "commas; with a robot file: those that it names, or sim, or sim:HOST:PORT for all of its buses; "
-                 "default: the environment variable "
-                 "TRISKIN_LINK")
+                 "where the controllers are, such as can:can0, usb or sim; see triskin help links")
       ->each([&options](const std::string&) { options.chosen = true; });
-  app.add_flag(
-         "--switched", options.switched,
-         "the link sim has switched modules, which the controller routes; a scene says it by its key \"hardware\"")
+  app.add_flag("--switched", options.switched, "the link sim has switched modules (in a scene: the key \"hardware\")")
       ->each(simulate);
   app.add_option("--board-seed", options.board_seed,
-                 "the link sim draws the serial numbers of its boards from this; 0: they ascend with the patches; "
-                 "default: the scene's seed")
+                 "random seed of the serial numbers on the link sim (0: ascending; default: the scene's seed)")
       ->each(simulate);
-  app.add_option("--scene", options.scene, "what the link sim simulates: contacts, faults, effects (docs/scene.md)")
-      ->each(simulate);
+  app.add_option("--scene", options.scene, "what the link sim simulates: contacts, faults, effects")->each(simulate);
 }
 
 /// Says in the first line, and in --json, that `link` is a simulation; says nothing for hardware.

@@ -204,13 +204,12 @@ const Registration kLive{{
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press,
-                     "simulated link: the virtual finger presses this module (-1: none; by default it walks on --link "
-                     "sim without a scene)")
+                     "simulated link: the virtual finger presses this module (-1: none; default: it walks, unless a "
+                     "scene presses)")
           ->check(CLI::Range(kNobody, 1'000'000));
       app.add_option("--taxel", options->taxel, "with --press: one taxel of the module, with the finger tip")
           ->check(CLI::Range(0, 11));
-      app.add_flag("--tare", options->tare,
-                   "first take the present values as those at rest, and keep them: nobody may touch the skin");
+      app.add_flag("--tare", options->tare, "first take new rest values and keep them (nobody may touch the skin)");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kData,

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
+#include <mutex>
 #include <string>
 #include <vector>
 
-#include "command.hpp"
-#include "link_options.hpp"
+#include "site_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/names.hpp"
-#include "triskin/design/design.hpp"
 #include "triskin/diagnose/board_report.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/log_reader.hpp"
@@ -27,8 +25,8 @@ constexpr NameTable kLevelNames{
                                                                 {wire::LogLevel::kDebug, "debug"}}}};
 
 struct Options {
-  connect::LinkOptions link;
-  std::string design, elf, level = "information";
+  SiteOptions site;
+  std::string elf, level = "information";
   int node = 0;
   double seconds = 0.0;
 };
@@ -48,17 +46,44 @@ std::vector<std::uint8_t> nodes_on(session::Bus& bus, int only) {
   return nodes;
 }
 
+// What all buses said; each has a thread.
+class Heard {
+ public:
+  explicit Heard(Output& output) : output_(output) {}
+
+  void add(const OpenBus& at, const char* list, std::string_view text, nlohmann::json row) {
+    const std::lock_guard lock(guard_);
+    output_.say(fmt::format("{}{}", at.prefix(), text));
+    if (at.config != nullptr && !at.config->name.empty()) row["bus"] = at.config->name;
+    lists_[list].push_back(std::move(row));
+  }
+  void add_lost(const OpenBus& at, std::uint64_t lines) {
+    if (lines == 0) return;
+    const std::lock_guard lock(guard_);
+    output_.say(fmt::format("{}{} {} lost", at.prefix(), counted(lines, "line"), agreeing(lines, "was", "were")));
+    lost_ += lines;
+  }
+  int conclude() {
+    output_.result = std::move(lists_);
+    output_.result["lost"] = lost_;
+    return lost_ > 0 ? 1 : 0;
+  }
+
+ private:
+  Output& output_;
+  std::mutex guard_;
+  nlohmann::json lists_ = {{"crashes", nlohmann::json::array()}, {"lines", nlohmann::json::array()}};
+  std::uint64_t lost_ = 0;
+};
+
 // After a power failure the log does not contain a crash, but the fault memory still does.
-void say_crashes(session::Bus& bus, const std::vector<std::uint8_t>& nodes, const std::string& elf, Output& output) {
-  nlohmann::json crashes = nlohmann::json::array();
+void say_crashes(const OpenBus& at, const std::vector<std::uint8_t>& nodes, const std::string& elf, Heard& heard) {
   for (const std::uint8_t node : nodes) {
-    const auto crash = session::Controller(bus, node).crash();
+    const auto crash = session::Controller(at.bus, node).crash();
     if (!crash) continue;
     const std::string text = diagnose::crash_text(*crash, elf);
-    output.say(fmt::format("controller {} {}", node, text));
-    crashes.push_back({{"node_address", node}, {"text", text}});
+    heard.add(at, "crashes", fmt::format("controller {} {}", node, text), {{"node_address", node}, {"text", text}});
   }
-  output.result["crashes"] = std::move(crashes);
 }
 
 // Prints lines until the time is over or a person ends it.
@@ -75,27 +100,20 @@ void follow(session::LogReader& reader, session::Bus& bus, double seconds) {
 int run(const Options& options, Output& output) {
   catch_interrupts();
   output.expect_interrupt();
-  std::optional<design::Design> simulated;
-  if (!options.design.empty()) simulated = design::read_intact_design(options.design);
-  const auto link = connect::open_link(options.link, simulated ? &*simulated : nullptr);
-  say_simulated(*link, output);
-  session::Bus bus(*link);
-  const auto nodes = nodes_on(bus, options.node);
-  say_crashes(bus, nodes, options.elf, output);
-  nlohmann::json lines = nlohmann::json::array();
-  session::LogReader reader(bus, nodes, kLevelNames.value(options.level).value(), [&](const session::LogEntry& e) {
-    const std::string text = options.elf.empty() ? e.text : diagnose::name_places(e.text, options.elf);
-    output.say(fmt::format("{:3} {:10.3f} {:11} {}", e.node, e.time_s, kLevelNames.name(e.level), text));
-    lines.push_back(
-        {{"node_address", e.node}, {"time_s", e.time_s}, {"level", kLevelNames.name(e.level)}, {"text", text}});
+  Heard heard(output);
+  on_each_bus(options.site, output, [&](const OpenBus& at) {
+    const auto nodes = nodes_on(at.bus, options.node);
+    say_crashes(at, nodes, options.elf, heard);
+    session::LogReader reader(at.bus, nodes, kLevelNames.value(options.level).value(), [&](const session::LogEntry& e) {
+      const std::string text = options.elf.empty() ? e.text : diagnose::name_places(e.text, options.elf);
+      heard.add(at, "lines", fmt::format("{:3} {:10.3f} {:11} {}", e.node, e.time_s, kLevelNames.name(e.level), text),
+                {{"node_address", e.node}, {"time_s", e.time_s}, {"level", kLevelNames.name(e.level)}, {"text", text}});
+    });
+    follow(reader, at.bus, options.seconds);
+    reader.finish();
+    heard.add_lost(at, reader.lost());
   });
-  follow(reader, bus, options.seconds);
-  reader.finish();
-  if (reader.lost() > 0)
-    output.say(fmt::format("{} {} lost", counted(reader.lost(), "line"), agreeing(reader.lost(), "was", "were")));
-  output.result["lines"] = std::move(lines);
-  output.result["lost"] = reader.lost();
-  return reader.lost() > 0 ? 1 : 0;
+  return heard.conclude();
 }
 
 const Registration kLog{{
@@ -104,15 +122,14 @@ const Registration kLog{{
     "triskin log --link sim --scene forearm.json --seconds 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design whose patches the link sim simulates; other links need none");
-      add_link_options(app, options->link);
+      app.add_option("DESIGN", options->site.file, "design file, or robot file: all of its buses; or only --link");
+      add_link_options(app, options->site.link);
       app.add_option("--node", options->node, "only the controller at this node address, 1 … 126")
           ->check(CLI::Range(1, 126));
-      app.add_option("--level", options->level,
-                     "error, warning, information or debug: lines that matter less are left out")
+      app.add_option("--level", options->level, "lowest level that is shown")
           ->check(CLI::IsMember({"error", "warning", "information", "debug"}))
           ->capture_default_str();
-      app.add_option("--seconds", options->seconds, "how long to read; without it until the program is asked to end")
+      app.add_option("--seconds", options->seconds, "how long to read (default: until Ctrl-C)")
           ->check(CLI::PositiveNumber);
       app.add_option("--elf", options->elf,
                      "image of the firmware (triskin_app_a.elf or _b): function and line in place of addresses");

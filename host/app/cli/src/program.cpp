@@ -99,15 +99,16 @@ int run_entry(const Entry& entry) {
   } catch (const std::bad_alloc&) {
     return fail("out of memory; use a smaller input, or give the program more (ulimit -v)", 3);
   } catch (const std::system_error& e) {
-    return fail(fmt::format("the computer refuses: {}; end other programs, or raise the limits (ulimit -a)", e.what()),
-                3);
+    return fail(
+        fmt::format("the operating system refused: {}; end other programs, or raise the limits (ulimit -a)", e.what()),
+        3);
   } catch (const std::exception& e) {
     return fail(fmt::format("internal error: {}; please report it with the input", e.what()), 2);
   }
 }
 
 const char* title_of(Group group) {
-  constexpr std::array<const char*, 4> kTitles{"Design", "Hardware", "Data", "Development"};
+  constexpr std::array<const char*, 4> kTitles{"Design", "Hardware", "Data", "Simulation and proofs"};
   return kTitles.at(static_cast<std::size_t>(group));
 }
 
@@ -137,6 +138,7 @@ int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, cons
   std::string what = plain_words(error.what());
   if (unknown) what = fmt::format("there is no command {}", argv[1]);
   if (argc == 1) what = "no command is given";
+  if (argc > 1 && argv[1][0] == '-') what = fmt::format("{} is not known here", argv[1]);
   if (const std::string question = did_you_mean(program, argc, argv); !question.empty()) what += "; " + question;
   const std::string command = unknown || argc == 1 || argv[1][0] == '-' ? "" : fmt::format(" {}", argv[1]);
   return fail(fmt::format("{}\nRun triskin{} --help for more.", what, command), 2);

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <mutex>
 
-#include "command.hpp"
-#include "link_options.hpp"
+#include "site_options.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/session/controller.hpp"
 
@@ -12,7 +12,7 @@ namespace triskin::cli::protect_command {
 namespace {
 
 struct Options {
-  connect::LinkOptions link;
+  SiteOptions site;
   int node = 0;
   bool release = false;
 };
@@ -22,18 +22,21 @@ std::string silence_text(int node) {
 }
 
 int run(const Options& options, Output& output) {
-  const auto link = connect::open_link(options.link, nullptr);
-  say_simulated(*link, output);
-  session::Bus bus(*link);
+  std::mutex results;
   nlohmann::json controllers = nlohmann::json::array();
-  for (const wire::NodeClaim& claim : bus.discover()) {
-    if (options.node != 0 && claim.node_address != options.node) continue;
-    session::Controller(bus, claim.node_address).protect_loader(!options.release);
-    output.say(fmt::format("controller {}: its loader {} from the next power-up on", claim.node_address,
-                           options.release ? "can be written" : "is write-protected"));
-    controllers.push_back({{"serial", session::to_text(claim.unique_id)}, {"node_address", claim.node_address}});
-  }
-  if (controllers.empty()) throw DeviceError(bus.nobody_answers(silence_text(options.node)));
+  on_each_bus(options.site, output, [&](const OpenBus& at) {
+    bool is_silent = true;
+    for (const wire::NodeClaim& claim : at.bus.discover()) {
+      if (options.node != 0 && claim.node_address != options.node) continue;
+      is_silent = false;
+      session::Controller(at.bus, claim.node_address).protect_loader(!options.release);
+      const std::lock_guard lock(results);
+      output.say(fmt::format("{}controller {}: its loader {} from the next power-up on", at.prefix(),
+                             claim.node_address, options.release ? "can be written" : "is write-protected"));
+      controllers.push_back({{"serial", session::to_text(claim.unique_id)}, {"node_address", claim.node_address}});
+    }
+    if (is_silent) throw DeviceError(at.bus.nobody_answers(silence_text(options.node)));
+  });
   output.result = {{"controllers", std::move(controllers)}, {"protected", !options.release}};
   return 0;
 }
@@ -44,10 +47,11 @@ const Registration kProtect{{
     "triskin protect --link can:can0",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      add_link_options(app, options->link);
+      app.add_option("DESIGN", options->site.file, "design file, or robot file: all of its buses; or only --link");
+      add_link_options(app, options->site.link);
       app.add_option("--node", options->node, "only the controller at this node address, 1 … 126")
           ->check(CLI::Range(1, 126));
-      app.add_flag("--release", options->release, "end the protection: a programmer can write the loader then");
+      app.add_flag("--release", options->release, "remove the protection, so that a programmer can write the loader");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kHardware,

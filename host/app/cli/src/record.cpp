@@ -29,7 +29,7 @@ namespace triskin::cli::record_command {
 namespace {
 
 enum class Format { kMcap, kCsv, kHdf5 };
-// The option --to uses these names, which are also the extensions.
+// The option --format uses these names, which are also the extensions.
 constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 3>{
     {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}}}};
 
@@ -45,7 +45,7 @@ struct Options {
 
 constexpr std::uint64_t kSlice_us = 100'000;
 
-// Returns the format given by --to, or else by the extension; an extension that contradicts --to is refused.
+// Returns the format given by --format, or else by the extension; an extension that contradicts --format is refused.
 Format format_of(const Options& options, bool is_robot) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   const auto by_extension =
@@ -54,12 +54,12 @@ Format format_of(const Options& options, bool is_robot) {
     if (by_extension) return *by_extension;
     if (options.output == "-" || is_robot) return Format::kMcap;
     throw InputError(
-        fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --to", options.output));
+        fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --format", options.output));
   }
   const Format format = kFormatNames.value(options.to).value();
   if (by_extension && *by_extension != format) {
     throw InputError(
-        fmt::format("{}: the extension says {}, --to says {}; choose one", options.output, extension, options.to));
+        fmt::format("{}: the extension says {}, --format says {}; choose one", options.output, extension, options.to));
   }
   return format;
 }
@@ -312,7 +312,8 @@ void require_modules(const robot::Site& site) {
 void require_hdf5(const std::string& path) {
   if (!hdf5::can_write())
     throw InputError(
-        "--to hdf5: this triskin was built without HDF5; install the package libhdf5-dev and build again, or record to "
+        "--format hdf5: this triskin was built without HDF5; install the package libhdf5-dev and build again, or "
+        "record to "
         "mcap or csv");
   std::error_code none;
   if (path == "-" || (std::filesystem::exists(path, none) && std::filesystem::is_other(path, none)))
@@ -377,7 +378,7 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
   else
     output.result = std::move(covers[0]);
   if (!trouble.empty()) throw DeviceError(trouble);
-  if (interrupt_signal() > 0) output.say("ended before its time; what came until then is in the file");
+  if (interrupt_signal() > 0) output.say("stopped early; the file holds what arrived until then");
   return status;
 }
 
@@ -421,7 +422,7 @@ const Registration kRecord{{
                      "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each "
                      "cover, or file.mcap, which holds all of them for viewers")
           ->required();
-      app.add_option("--to", options->to, "format; default: by the extension of -o")
+      app.add_option("--format", options->to, "format; default: by the extension of -o")
           ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));
       add_site_options(app, options->site);
       add_stream_options(app, options->stream);

@@ -57,12 +57,12 @@ int run(const Options& options, Output& output) {
 
 const Registration kRecover{{
     "recover",
-    "make a recording whole that was cut or damaged: by a killed process, a full disk, a bad copy",
+    "repair a recording that was cut or damaged: by a killed process, a full disk, a bad copy",
     "triskin recover touch.mcap",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("FILE", options->file, "recording (.mcap)")->required();
-      app.add_option("-o,--output", options->output, "new file; default: FILE itself is completed, if it was only cut");
+      app.add_option("-o,--output", options->output, "new file (default: FILE itself, if it was only cut short)");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kData,

@@ -135,7 +135,7 @@ class Repair {
     for (const std::string& line : finding_lines(finding, steps)) output_.say(line);
     if (finding.kind == diagnose::FindingKind::kStaleRest) return ask(output_, "Take everything off the skin.");
     if (steps.empty()) return ask(output_, "The tables are written next.");
-    return ask(output_, "Mend this now.");
+    return ask(output_, "Fix this now.");
   }
 
   void flash_again() {
@@ -194,11 +194,10 @@ const Registration kRepair{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       add_site_options(app, options->site);
-      app.add_flag(
-          "--touch", options->verify.touch,
-          "press every module in turn before the first repair, and what a repair concerned after it; simulated "
-          "links have a finger of their own and always do");
-      app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
+      app.add_flag("--touch", options->verify.touch,
+                   "press every module in turn before the first repair, and again those it concerned (always on "
+                   "simulated links)");
+      app.add_flag("--no-touch", options->no_touch, "only ask, even on a simulated link");
       return [options](Output& output) { return Repair(*options, output).run(); };
     },
     Group::kHardware,

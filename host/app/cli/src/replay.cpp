@@ -138,14 +138,14 @@ const Registration kReplay{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("FILE", options->file, "recording (.mcap)")->required();
-      app.add_option("--speed", options->speed, "times the speed at which it was recorded; 0: as fast as possible")
+      app.add_option("--speed", options->speed, "speed, relative to the recording (0: as fast as possible)")
           ->check(CLI::Range(0.0, 1000.0))
           ->capture_default_str();
       app.add_option("--listen", options->listen,
-                     "play it into a link instead, for any client: HOST:PORT (then --link sim:HOST:PORT), can:IFACE or "
-                     "usb, as simulate does; it begins when a client asks");
+                     "serve it to other programs: HOST:PORT (then --link sim:HOST:PORT), can:IFACE or usb; it begins "
+                     "with the first client");
       add_expose_option(app, options->expose);
-      app.add_flag("--loop", options->loop, "with --listen: from the beginning again, until Ctrl-C");
+      app.add_flag("--loop", options->loop, "with --listen: repeat until Ctrl-C");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kData,

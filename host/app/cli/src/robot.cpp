@@ -44,6 +44,7 @@ const std::map<std::string, std::set<std::string>> kActions{
     {"add",
      {"--name", "--bus", "--frame", "--xyz-mm", "--rpy-deg", "--matrix", "--first-node", "--serial", "--rate-hz",
       "--replace"}},
+    {"remove", {"--name", "--bus"}},
     {"show", {}},
     {"register", {"--name", "--limit-mm", "--dry-run"}}};
 
@@ -189,7 +190,7 @@ int run_add(const Options& options, Output& output) {
     output.say(fmt::format("{}: {}", options.robot, counted(robot.buses.size(), "bus")));
     return 0;
   }
-  require_name(options, "the name of the cover with --name");
+  require_name(options, "the name of the cover's name with --name");
   require(options.file, options, "the design file of the cover");
   robot::CoverEntry& cover = cover_to_add(robot, bus, options);
   cover.design = seen_from(options.robot, options.file);
@@ -206,6 +207,33 @@ int run_add(const Options& options, Output& output) {
   output.result["nodes"] = nodes;
   output.say(fmt::format("cover {}: {} on bus {}, node addresses {}", added.name, counted(nodes.size(), "controller"),
                          added.bus, short_list(nodes)));
+  return 0;
+}
+
+int run_remove(const Options& options, Output& output) {
+  robot::Robot robot = robot::read_robot(options.robot);
+  const std::string bus = options.buses.size() == 1 ? options.buses.front() : "";
+  if (options.name.empty() == bus.empty())
+    throw InputError("robot remove: give the cover's name with --name, or the bus with --bus");
+  if (!options.name.empty()) {
+    if (std::erase_if(robot.covers, [&](const auto& c) { return c.name == options.name; }) == 0)
+      throw InputError(fmt::format("{}: has no cover {}", options.robot, options.name));
+    write_checked(options, robot, output);
+    output.say(fmt::format("{}: cover {} removed; {} left", options.robot, options.name,
+                           counted(robot.covers.size(), "cover")));
+    return 0;
+  }
+  if (std::erase_if(robot.buses, [&](const auto& b) { return b.name == bus; }) == 0)
+    throw InputError(fmt::format("{}: has no bus {}", options.robot, bus));
+  for (const robot::CoverEntry& cover : robot.covers) {
+    if (cover.bus == bus || std::ranges::count(cover.controllers, bus, &robot::ControllerEntry::bus) > 0)
+      throw InputError(
+          fmt::format("{}: cover {} is on bus {}; remove the cover, or move it to another bus (robot "
+                      "add --replace --bus)",
+                      options.robot, cover.name, bus));
+  }
+  write_checked(options, robot, output);
+  output.say(fmt::format("{}: bus {} removed; {} left", options.robot, bus, counted(robot.buses.size(), "bus")));
   return 0;
 }
 
@@ -261,7 +289,7 @@ nlohmann::json show_controllers(const robot::CoverEntry& cover, const Output& ou
   for (const auto& e : cover.controllers) {
     const std::string& bus = e.bus.empty() ? cover.bus : e.bus;
     output.say(fmt::format("  patch {:3}  bus {}  node address {:3}  {}", e.patch, bus, e.node,
-                           e.serial.empty() ? "serial number not noted" : e.serial));
+                           e.serial.empty() ? "serial number unknown" : e.serial));
     controllers.push_back({{"patch", e.patch}, {"bus", bus}, {"node_address", e.node}});
     if (!e.serial.empty()) controllers.back()["serial"] = e.serial;
   }
@@ -373,7 +401,7 @@ robot::Registration register_cover_of(const robot::Assembly& a, const std::strin
 }
 
 int run_register(const Options& options, Output& output) {
-  require(options.name, options, "the cover with --name");
+  require(options.name, options, "the cover's name with --name");
   require(options.file, options, "the file with the touches");
   robot::Assembly a = robot::read_assembly(options.robot);
   robot::CoverEntry* cover = robot::find_cover(a.robot, options.name);
@@ -410,37 +438,39 @@ void add_pose_options(CLI::App& app, Options& o) {
 
 const cli::Registration kRobot{{
     "robot",
-    "robot file: which covers a robot wears, where, and what hangs on which bus",
+    "robot file: the covers of a robot, their places, and their buses",
     "triskin robot new icub.json --name icub --bus left=can:can0 --bus right=can:can1\n"
     "  triskin robot add icub.json forearm.json --name forearm --bus left --frame l_forearm --xyz-mm 0,12,80\n"
     "  triskin robot show icub.json\n"
     "  triskin robot register icub.json touches.csv --name forearm",
     [](CLI::App& app) -> Run {
       auto o = std::make_shared<Options>();
-      app.add_option("ACTION", o->action, "new, add (a cover or a bus), show, or register (a cover by touches)")
+      app.add_option("ACTION", o->action,
+                     "new, add or remove (a cover or a bus), show, or register (a cover by touches)")
           ->required()
-          ->check(CLI::IsMember({"new", "add", "show", "register"}));
+          ->check(CLI::IsMember({"new", "add", "remove", "show", "register"}));
       app.add_option("ROBOT", o->robot, "robot file (docs/robot.md)")->required();
       app.add_option("FILE", o->file, "add: design file; register: touches, module,taxel,x_mm,y_mm,z_mm a line");
-      app.add_option("--name", o->name, "of the robot (new) or of the cover (add, register)");
-      app.add_option("--bus", o->buses, "NAME=LINK[@RATE[/DATA_RATE]] defines a bus; add: NAME, the bus of the cover");
+      app.add_option("--name", o->name, "of the robot (new) or of the cover (add, remove, register)");
+      app.add_option("--bus", o->buses, "NAME=LINK[@RATE[/DATA_RATE]] defines a bus; add, remove: NAME");
       app.add_option("--urdf", o->urdf, "new: file with the robot's links")->check(CLI::ExistingFile);
       add_pose_options(app, *o);
       app.add_option("--first-node", o->first_node, "add: node addresses from here on")->check(CLI::Range(1, 126));
       app.add_option("--serial", o->serials, "add: PATCH=SERIAL, the controller of a patch; several times");
-      app.add_option("--rate-hz", o->rate_hz, "add: samples a second that are wanted of each module; 0: as many as fit")
+      app.add_option("--rate-hz", o->rate_hz, "add: samples a second wanted from each module (0: as many as fit)")
           ->check(CLI::Range(0.0, 1000.0));
-      app.add_flag("--replace", o->replace, "add: the cover is there, this is its new design; it keeps its addresses");
-      app.add_option("--limit-mm", o->limit_mm, "register: largest residual that is taken")
+      app.add_flag("--replace", o->replace, "add: replace the design of an existing cover, which keeps its addresses");
+      app.add_option("--limit-mm", o->limit_mm, "register: largest residual that is accepted")
           ->check(CLI::Range(0.0, 1000.0))
           ->capture_default_str();
-      app.add_flag("--dry-run", o->dry_run, "register: say the result, write nothing");
+      app.add_flag("--dry-run", o->dry_run, "register: show the result; write nothing");
       return [o, &app](Output& output) {
         require_known(app, o->action);
         if (o->action == "show") return run_show(*o, output);
         const WriterLock lock(o->robot);  // Without the lock, a simultaneous change by another program would be lost.
         if (o->action == "new") return run_new(*o, output);
         if (o->action == "add") return run_add(*o, output);
+        if (o->action == "remove") return run_remove(*o, output);
         return run_register(*o, output);
       };
     },

@@ -257,27 +257,23 @@ const Registration kSimulate{{
                      "scene file (docs/scene.md) of a design or a robot, design file, or robot file")
           ->required();
       app.add_option("--listen", options->listen,
-                     "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
-                     "(devices in vhci-hcd)");
+                     "serve in real time at HOST:PORT (port 0: a free one), can:IFACE, or usb (devices in vhci-hcd)");
       add_expose_option(app, options->expose);
-      app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
+      app.add_option("--seconds", options->seconds,
+                     "how long (default: 1 s of virtual time, with --listen until Ctrl-C)")
           ->check(CLI::Range(0.0, 1e7));
-      app.add_flag("--switched", options->switched,
-                   "switched modules, which the controllers route; a scene says it by its key \"hardware\"");
+      app.add_flag("--switched", options->switched, "switched modules (in a scene: the key \"hardware\")");
       app.add_option("--board-seed", options->board_seed,
-                     "serial numbers of the boards are drawn from this; 0: they ascend with the patches; default: the "
-                     "scene's seed");
+                     "random seed of the serial numbers (0: ascending; default: the scene's seed)");
       app.add_option("--contacts", options->contacts,
-                     "HOST:PORT (port 0 takes a free one): another simulator tells where it touches the skin and gets "
-                     "the frames of the controllers (docs/simulation.md)")
+                     "HOST:PORT for another simulator, which sends touches and gets frames (docs/simulation.md)")
           ->excludes("--listen");
       app.add_flag("--check", options->check,
-                   "run the scene and hold what the skin reports against its \"expect\"; status 1 if it differs "
-                   "(docs/simulation.md)")
+                   "run the scene and compare what the skin reports with its \"expect\" (status 1 if it differs)")
           ->excludes("--listen")
           ->excludes("--contacts")
           ->excludes("--seconds");
-      app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
+      app.add_flag("--fresh", options->fresh, "boards that were never flashed, in memory only");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

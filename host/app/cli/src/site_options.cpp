@@ -5,7 +5,7 @@ namespace triskin::cli {
 
 void add_site_options(CLI::App& app, SiteOptions& options) {
   app.add_option("DESIGN", options.file, "design file, or robot file: all covers on all of its buses")->required();
-  app.add_option("--cover", options.cover, "of a robot file: this cover alone");
+  app.add_option("--cover", options.cover, "robot file: only this cover");
   add_link_options(app, options.link);
 }
 
@@ -26,9 +26,24 @@ skin::LiveSkin open_skin(const SiteOptions& options, Output& output) {
   return skin;
 }
 
+std::string OpenBus::prefix() const {
+  return config == nullptr || config->name.empty() ? "" : config->name + ": ";
+}
+
+void on_each_bus(const SiteOptions& options, Output& output, const std::function<void(const OpenBus&)>& work) {
+  if (options.file.empty()) {
+    const auto link = connect::open_link(options.link, nullptr);
+    say_simulated(*link, output);
+    session::Bus bus(*link);
+    return work({*link, bus});
+  }
+  skin::LiveSkin skin = open_skin(options, output);
+  skin.on_each_bus([&](skin::LiveBus& live) { work({live.link(), live.bus(), &live.config()}); });
+}
+
 skin::LiveCover& one_cover(const skin::LiveSkin& skin, std::string_view command) {
   if (skin.buses().size() != 1 || skin.buses().front()->covers().size() != 1)
-    throw InputError(std::string(command) + " looks at one cover on one bus: say which with --cover");
+    throw InputError(std::string(command) + " needs one cover on one bus; choose it with --cover");
   return skin.buses().front()->covers().front();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,18 @@ void add_site_options(CLI::App& app, SiteOptions& options);
 [[nodiscard]] robot::Site read_site(const SiteOptions& options);
 /// Opens the links and says which of them are simulations. Throws as connect::open_bus does.
 void open_links(skin::LiveSkin& skin, Output& output);
+/// An open bus, whatever is on it.
+struct OpenBus {
+  link::Link& link;
+  session::Bus& bus;
+  const robot::BusConfig* config = nullptr;  ///< null if no file says what is on the bus
+
+  /// "BUS: " as a prefix for messages about a bus of a robot; empty otherwise.
+  [[nodiscard]] std::string prefix() const;
+};
+/// Opens the links of the file, or only --link if no file was given, and runs `work` for all buses in parallel. Throws
+/// as read_site and open_links.
+void on_each_bus(const SiteOptions& options, Output& output, const std::function<void(const OpenBus&)>& work);
 /// Reads the file and opens the links.
 [[nodiscard]] skin::LiveSkin open_skin(const SiteOptions& options, Output& output);
 

@@ -43,29 +43,26 @@ void add_decimation_option(CLI::App& app, session::StreamOptions& options) {
            for (const auto d : {wire::Decimation::k256, wire::Decimation::k128, wire::Decimation::k64})
              if (wire::readings_added(d) == readings) options.decimation = d;
          },
-         "readings that a converter adds up for a sample: 256, 128 or 64 for 27, 54 or 108 samples a second, with more "
-         "noise; the controllers keep it until they lose power; default: as they are set")
+         "readings per sample: 256, 128 or 64, for 27, 54 or 108 samples a second with more noise; kept until "
+         "power-off (default: as set)")
       ->check(CLI::IsMember({256, 128, 64}));
   app.add_option_function<std::string>(
          "--readings",
          [&options](const std::string& name) {
            options.timing = name == "timer" ? wire::SamplingTiming::kTimer : wire::SamplingTiming::kTracked;
          },
-         "tracked: a converter is read when its twelve results belong together; timer: as installed iCub boards do, "
-         "for "
-         "comparison; the controllers keep it until they lose power; default: as they are set")
+         "when converters are read: tracked (their twelve results belong together) or timer (as installed iCub boards "
+         "do); kept until power-off (default: as set)")
       ->check(CLI::IsMember({"tracked", "timer"}));
 }
 
 void add_stream_options(CLI::App& app, session::StreamOptions& options) {
   add_decimation_option(app, options);
-  app.add_option("--every", options.every,
-                 "each n-th sample; 0: the smallest n that fits the bus. What does not fit is refused")
+  app.add_option("--every", options.every, "stream each n-th sample (0: the smallest n that fits the bus)")
       ->check(CLI::Range(0, 255))
       ->capture_default_str();
   app.add_flag("--overload", options.overload,
-               "with --every: stream it also where it does not fit; each module then gets an equal share, and what is "
-               "missing is counted");
+               "with --every: stream even if it does not fit the bus; lost samples are counted");
 }
 
 session::StreamOptions speaking(session::StreamOptions options) {

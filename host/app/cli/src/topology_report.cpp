@@ -81,7 +81,7 @@ void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route,
   output.say(fmt::format("  {}, {}, {} at port {}, {:.1f} ms{}", counted(found.count, "module"),
                          counted(joints_in(found), "joint"), found.second_cable ? "second cable" : "cable",
                          "ABC"[found.cable_port], route.last_us * 1e-3,
-                         found.complete ? "" : "; the chain would not settle, there may be more"));
+                         found.complete ? "" : "; the chain did not settle; there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
@@ -116,7 +116,7 @@ json report_recognized(const wire::FoundTopology& found, const std::vector<Named
     if (match.another_patch()) continue;
     recognized.push_back(match_json(match, designs[d].first));
     if (match.patch == expected.patch && designs[d].second.design_id == expected.design_id) continue;
-    output.say(expected.patch >= 0 ? "  it could rather be:" : "  recognized:");
+    output.say(expected.patch >= 0 ? "  better matches:" : "  recognized:");
     say_match(recognized.back(), output);
   }
   if (!designs.empty() && recognized.empty()) output.say("  no patch of the given designs");
@@ -134,7 +134,7 @@ json report_topology(session::Controller& controller, const std::vector<NamedDes
   const wire::ActiveRoute route = controller.route();
   json j = {{"switched", found.switched}};
   if (!found.switched) {
-    output.say("  nobody answers on the route chain: strapped modules, or no power");
+    output.say("  no answer on the route chain: strapped modules, or no power");
     return j;
   }
   j.update({{"complete", found.complete},

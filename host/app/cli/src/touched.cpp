@@ -36,7 +36,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kTouched{{
     "touched",
-    "turn where a recording or a scene touched into weights for design --regions",
+    "turn the touches of a recording or a scene into weights for design --regions",
     "triskin touched work.mcap -o touched.regions.json && triskin design forearm.obj --regions touched.regions.json -o "
     "forearm.json",
     [](CLI::App& app) -> Run {
@@ -44,10 +44,10 @@ const Registration kTouched{{
       app.add_option("INPUT", options->input, "recording (.mcap) or scene file (docs/scene.md)")->required();
       app.add_option("-o,--output", options->output, "region file (docs/regions.md)")->required();
       app.add_option("--max-weight", options->max_weight,
-                     "worth of a module where contacts were longest; 1 where there were none")
+                     "value of a module where contacts lasted longest (1 where there were none)")
           ->check(CLI::Range(1.0, 1000.0))
           ->capture_default_str();
-      app.add_option("--seconds", options->seconds, "of a scene: how long it is looked at; 0: until its contacts end")
+      app.add_option("--seconds", options->seconds, "scene: how long to watch (0: until its contacts end)")
           ->check(CLI::Range(0.0, 1e5))
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };

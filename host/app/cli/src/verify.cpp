@@ -227,18 +227,17 @@ int run(Options options, Output& output) {
 
 const Registration kVerify{{
     "verify",
-    "ask the hardware whether it is the design: controllers, tables, modules, taxels",
+    "check the hardware against the design: controllers, tables, modules, taxels",
     "triskin verify forearm.json --link sim --touch",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       add_site_options(app, options->site);
-      app.add_flag("--touch", options->verify.touch,
-                   "press every module in turn; simulated links have a finger of their own and always do");
-      app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
+      app.add_flag("--touch", options->verify.touch, "press every module in turn (always on simulated links)");
+      app.add_flag("--no-touch", options->no_touch, "only ask, even on a simulated link");
       app.add_option("--report", options->report, "also write a report: FILE.txt, FILE.html to print, or FILE.json");
       app.add_option("--elf", options->verify.elf,
                      "image of the firmware (triskin_app_a.elf or _b): names function and line of a crash");
-      app.add_option("--watch-s", options->verify.watch_s, "least time in which faults that come and go are collected")
+      app.add_option("--watch-s", options->verify.watch_s, "shortest time in which intermittent faults are collected")
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };

@@ -37,7 +37,7 @@ int run(const std::string& path, Output& output) {
   output.say(fmt::format("{} checked, {}", counted(report.rules.size(), "rule"),
                          counted(report.violations.size(), "violation")));
   if (report.modules == 0)
-    output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");
+    output.say("the design has no modules: no rule can be broken, and there is nothing to flash");
   return report.violations.empty() && report.modules > 0 ? 0 : 1;
 }
 

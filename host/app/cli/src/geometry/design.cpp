@@ -186,7 +186,7 @@ bool report_design(const design::Design& d, const pipeline::DesignNotes& notes, 
                    Output& output) {
   say_layout(d, output);
   if (interrupt_signal() > 0)
-    output.say(fmt::format("ended before its time: the best layout so far, with {}, is kept",
+    output.say(fmt::format("stopped early; the best layout so far, with {}, is kept",
                            counted(d.layout.modules.size(), "module")));
   if (notes.revision) report_revision(*options.design.like, d, *notes.revision, options.output, output);
   report_kinds(d, output);
@@ -211,9 +211,8 @@ bool is_the_part(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   const bool has_moved = moved_mm > d.limits.center_gap_mm;
   if (has_moved)
     output.say(fmt::format(
-        "The repair moved the surface by up to {:.1f} mm, more than a module may be off it ({:g} mm): this is not the "
-        "part "
-        "any more. Choose a body (--body, --object) or a side (--side), mend the mesh, or try --repair never",
+        "The repair moved the surface by up to {:.1f} mm, more than a module may be off it ({:g} mm): this is no "
+        "longer the part. Choose a body (--body, --object) or a side (--side), repair the mesh, or try --repair never",
         moved_mm, d.limits.center_gap_mm));
   const int modules = static_cast<int>(d.layout.modules.size());
   const bool is_little = kFewOfBound * modules < d.report.upper_bound;
@@ -321,11 +320,10 @@ void add_files(CLI::App& app, Options& o) {
   app.add_option("-o,--output", o.output, "design file")->required();
   add_kinds(app, o.kinds);
   app.add_option("--like", o.like,
-                 "design of an older version of the part: its modules stay where the surface lets them, its limits, "
-                 "price, seed and kinds are taken")
+                 "design of an older version of the part: keeps its modules where they still fit, and its limits, "
+                 "price, seed and kinds")
       ->check(CLI::ExistingFile);
-  app.add_option("--repair", o.design.repair,
-                 "auto: repair self-intersecting or non-manifold meshes; never: refuse them")
+  app.add_option("--repair", o.design.repair, "repair self-intersecting or non-manifold meshes, or refuse them")
       ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
                                                                      {"never", pipeline::RepairMode::kNever}}));
 }
@@ -335,8 +333,8 @@ void add_search(CLI::App& app, Options& o) {
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_option("--method", o.design.method,
-                 "where layouts are searched; auto: grown on the surface, and on flat pieces too where the surface "
-                 "bends in one direction only; pieces: on both; lattice: grown only (default: auto)")
+                 "where layouts are searched: lattice (on the surface), pieces (on flat pieces too), auto (on pieces "
+                 "only if the surface is nearly developable)")
       ->transform(one_of(std::map<std::string, pipeline::SearchMethod>{{"auto", pipeline::SearchMethod::kAuto},
                                                                        {"pieces", pipeline::SearchMethod::kPieces},
                                                                        {"lattice", pipeline::SearchMethod::kLattice}}));
@@ -352,24 +350,23 @@ void add_rules(CLI::App& app, Options& o) {
   add_limits(app, o.design.limits);
   add_corner_cut(app, o.design.corner_cut_mm);
   app.add_option("--bend-radius-mm", o.design.bend_radius_mm,
-                 "no module is bent to a smaller radius, as in the reference paper at 50: parts the pieces and "
-                 "limits depth and lift to 112.5/radius (0: no)")
+                 "smallest bending radius of a module; limits depth and lift to 112.5/radius (0: no limit)")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
   app.add_option("--solver-deviation-mm", o.design.solver_deviation_mm,
-                 "deviation of the mesh that is searched on where the surface has more faces than it needs; all is "
-                 "measured on the surface (0: search on the surface)")
+                 "largest deviation of the simplified mesh that is searched (0: search the surface itself)")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--regions", o.regions, "file of weights, keep-outs and places that must be covered (docs/regions.md)")
+  app.add_option("--regions", o.regions,
+                 "file with weights, keep-outs and places that must be covered (docs/regions.md)")
       ->check(CLI::ExistingFile);
   add_price(app, o.design.limits, o.design.price);
   o.verbosity.add_to(app);
-  app.add_option("--threads", o.design.threads, "chains of the growth; part of what a result depends on")
+  app.add_option("--threads", o.design.threads, "threads of the search; the result depends on their number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--iterations", o.design.iterations,
-                 "steps of each chain (0: as the time permits); repeatable when the time suffices")
+                 "steps of each thread (0: as the time permits); makes the result repeatable")
       ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
 }

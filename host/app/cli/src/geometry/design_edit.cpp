@@ -138,14 +138,13 @@ int report_design(const design::Design& d, Output& output) {
 
 void EditOptions::add_to(CLI::App& app) {
   auto* take_option =
-      app.add_option("--take", take, "the alternative of this number, without a search")->check(CLI::Range(0, 1000));
-  auto* remove_option = app.add_option("--remove", remove, "take these modules away, as 3,7-9");
+      app.add_option("--take", take, "take this alternative, without a search")->check(CLI::Range(0, 1000));
+  auto* remove_option = app.add_option("--remove", remove, "remove these modules, as 3,7-9");
   auto* add_option =
-      app.add_option("--add", add, "a module at each of these free sides (MODULE.SIDE) or tiles (ISLAND:I/J/up)");
-  auto* keep_option =
-      app.add_option("--keep", keep, "these modules (as 0-40,52) stay exactly where they are, the rest is searched");
+      app.add_option("--add", add, "add modules at these free sides (MODULE.SIDE) or tiles (ISLAND:I/J/up)");
+  auto* keep_option = app.add_option("--keep", keep, "keep these modules, as 0-40,52, and search the rest anew");
   auto* mirror_option =
-      app.add_option("--mirror", mirror, "the mirror image at the plane x = 0 (x, y, z) or at NX,NY,NZ,D");
+      app.add_option("--mirror", mirror, "mirror at the plane x, y or z = 0 (x, y, z), or at NX,NY,NZ,D");
   for (CLI::Option* a : {remove_option, add_option}) {
     for (CLI::Option* b : {take_option, keep_option, mirror_option}) a->excludes(b);
   }
@@ -163,8 +162,7 @@ design::KindPlan kind_plan_of(const std::string& kinds) {
 }
 
 void add_kinds(CLI::App& app, std::string& kinds) {
-  app.add_option("--kinds", kinds,
-                 "file that says which modules are of which kind (docs/pipeline.md); none: all are standard");
+  app.add_option("--kinds", kinds, "file of module kinds (docs/pipeline.md); none: all are standard");
 }
 
 std::size_t report_labels(const std::vector<int>& new_id, Output& output) {

@@ -30,11 +30,11 @@ void add_effort(CLI::App& app, pipeline::DesignOptions& effort) {
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str()
       ->needs(keep);
-  app.add_option("--threads", effort.threads, "with --keep: chains of the search; part of what a result depends on")
+  app.add_option("--threads", effort.threads, "with --keep: threads of the search; the result depends on their number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str()
       ->needs(keep);
-  app.add_option("--iterations", effort.iterations, "with --keep: steps of each chain (0: as the time permits)")
+  app.add_option("--iterations", effort.iterations, "with --keep: steps of each thread (0: as the time permits)")
       ->check(CLI::Range(0, 1000000000))
       ->capture_default_str()
       ->needs(keep);

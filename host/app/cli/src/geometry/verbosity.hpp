@@ -10,8 +10,8 @@ struct Verbosity {
 
   /// Adds both options, which exclude each other.
   void add_to(CLI::App& app) {
-    auto* more = app.add_flag("-v,--verbose", verbose, "also how the result came about");
-    app.add_flag("-q,--quiet", quiet, "say nothing but errors, and show no progress")->excludes(more);
+    auto* more = app.add_flag("-v,--verbose", verbose, "show how the result came about");
+    app.add_flag("-q,--quiet", quiet, "print only errors, and no progress")->excludes(more);
   }
   void apply(Output& output) const {
     if (quiet) output.silence();

@@ -97,7 +97,7 @@ std::string reason_of_nothing(const design::Design& d, bool unit_given, Output& 
              "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
              "30 mm{}{}; no design was written",
              size.x(), size.y(), size.z(), obstacle_of(d, output),
-             unit_given ? "" : "; the mesh was taken for mm: say --unit cm, m or in if it is not") +
+             unit_given ? "" : "; the mesh was read in mm; if that is wrong, give --unit cm, m or in") +
          inward;
 }
 

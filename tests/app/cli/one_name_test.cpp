@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads one module, and its controller, in all outputs of a design and of a robot, and compares what they say.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "app/cli/shell_case.hpp"
+#include "support/strip_design.hpp"
+
+namespace triskin::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+// Module 21 of a strip of 40 is on its second controller, so that module, row, patch and address are all different.
+constexpr int kModules = 40, kModule = 21;
+
+class OneName : public ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    design::write_design(folder_ / "strip.json", strip(kModules));
+    design_ = json::parse(read_file(folder_ / "strip.json"));
+    module_ = design_["modules"][kModule];
+    patch_ = module_["patch"];
+    const int address = module_["address"];
+    strap_ = fmt::format("ADD0{} ADD1{} ({:02X})", (address & 1) != 0 ? 'H' : 'L', (address & 2) != 0 ? 'H' : 'L',
+                         0x2C + address);
+    ASSERT_GT(patch_, 0);
+  }
+
+  void write(const char* file, const json& content) { std::ofstream(folder_ / file) << content; }
+  [[nodiscard]] json page_model(const std::string& file) const {
+    const std::string page = read_file(folder_ / file), begin = "id=\"model\">";
+    const auto from = page.find(begin) + begin.size();
+    return json::parse(page.substr(from, page.find("</script>", from) - from));
+  }
+  [[nodiscard]] json finding_of(const std::string& report) const {
+    const json findings = json::parse(read_file(folder_ / report))["findings"];
+    EXPECT_EQ(findings.size(), 1U) << findings.dump(1);
+    return findings.at(0);
+  }
+
+  json design_, module_;
+  int patch_ = 0;
+  std::string strap_;
+};
+
+TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
+  std::map<std::string, std::string> said;  // by output
+  const std::string expected =
+      fmt::format("module {} patch {} L{} {}", kModule, patch_, module_["line"].get<int>(), strap_);
+  const auto as_text = [&](int module, int patch, int line, int address) {
+    return fmt::format("module {} patch {} L{} ADD0{} ADD1{} ({:02X})", module, patch, line, "LH"[address & 1],
+                       "LH"[address >> 1 & 1], 0x2C + address);
+  };
+
+  ASSERT_EQ(run("export strip.json -o taxels.csv").status, 0);
+  std::istringstream csv(read_file(folder_ / "taxels.csv"));
+  for (std::string row; std::getline(csv, row);) {
+    int module = 0, taxel = 0, patch = 0, line = 0, address = 0;
+    if (std::sscanf(row.c_str(), "%d,%d,%d,%d,%d", &module, &taxel, &patch, &line, &address) == 5 && module == kModule)
+      said["taxels.csv"] = as_text(module, patch, line, address);
+  }
+
+  ASSERT_EQ(run("export strip.json -o page.html").status, 0);
+  const json shown = page_model("page.html")["modules"][kModule];
+  said["page"] = as_text(kModule, shown["patch"], shown["line"], shown["address"]);
+
+  // A sheet of a strip in SVG has outlines for text, so its words are read from the plan in tests/output/sheet.
+  write("scene.json", {{"format", "triskin-scene"},
+                       {"version", 1},
+                       {"design", "strip.json"},
+                       {"faults", {{{"kind", "removed_chip"}, {"module", kModule}}}}});
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  const Outcome verified = run("verify strip.json --link sim --scene scene.json --report report.json");
+  EXPECT_EQ(verified.status, 1);
+  const std::regex place(R"(module (\d+) \(patch (\d+), (L\d), (ADD0. ADD1. \(\w\w\))\))");
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(verified.out, m, place)) << verified.out;
+  said["finding on the terminal"] = fmt::format("module {} patch {} {} {}", m.str(1), m.str(2), m.str(3), m.str(4));
+  const json finding = finding_of("report.json");
+  EXPECT_EQ(finding["module"], kModule);
+  EXPECT_EQ(finding["patch"], patch_);
+  const std::string text = finding.dump();
+  ASSERT_TRUE(std::regex_search(text, m, place)) << text;
+  said["finding in the report"] = fmt::format("module {} patch {} {} {}", m.str(1), m.str(2), m.str(3), m.str(4));
+
+  const Outcome live = run(fmt::format("live strip.json --link sim --seconds 0.6 --press {} --json", kModule));
+  std::istringstream objects(live.out);
+  int pressed = 0;
+  for (std::string object; std::getline(objects, object);) {
+    const json line = json::parse(object);
+    for (const json& taxel : line["pressed"]) {
+      EXPECT_EQ(taxel["module"], kModule);
+      ++pressed;
+    }
+  }
+  EXPECT_GT(pressed, 0) << live.out;
+  ASSERT_EQ(run("record strip.json --link sim --seconds 0.2 -o samples.csv").status, 0);
+  EXPECT_THAT(read_file(folder_ / "samples.csv"), testing::ContainsRegex(fmt::format("(^|\n|,){},", kModule)));
+
+  ASSERT_EQ(said.size(), 4U);
+  for (const auto& [output, words] : said) {
+    std::printf("%-24s %s\n", output.c_str(), words.c_str());
+    EXPECT_EQ(words, expected) << output;
+  }
+}
+
+// Two covers of the same design on one bus: of the second one, "upperarm", every number is that of its own design, and
+// the node address that of the robot file.
+TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
+  ASSERT_EQ(run("robot new robot.json --name demo --bus left=sim").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name forearm --bus left").status, 0);
+  ASSERT_EQ(run("robot add robot.json strip.json --name upperarm --bus left --xyz-mm 0,0,300").status, 0);
+  const json file = json::parse(read_file(folder_ / "robot.json"));
+  const int node = file["covers"][1]["controllers"][patch_]["node"];
+  const int joint = kModules + kModule;  // what nobody may read
+  EXPECT_NE(node, patch_ + 1);
+  write("scene.json", {{"format", "triskin-scene"},
+                       {"version", 1},
+                       {"robot", "robot.json"},
+                       {"faults", {{{"part", "upperarm"}, {"kind", "removed_chip"}, {"module", kModule}}}}});
+  ASSERT_EQ(run("flash robot.json --link sim").status, 0);
+
+  const std::string controller = fmt::format("patch {:3}  bus left  node address {:3}", patch_, node);
+  const std::string show = run("robot show robot.json").out;
+  EXPECT_THAT(show.substr(show.find("cover upperarm")), HasSubstr(controller));
+  const Outcome found = run("discover robot.json --link sim");
+  EXPECT_THAT(found.out, testing::ContainsRegex(fmt::format("node address {}  .*upperarm, patch {}\n", node, patch_)));
+
+  const Outcome verified = run("verify robot.json --link sim --scene scene.json --report report.json");
+  EXPECT_EQ(verified.status, 1);
+  EXPECT_THAT(verified.out, HasSubstr(fmt::format("upperarm: absent_module: module {} (patch {}, L{}, {})", kModule,
+                                                  patch_, module_["line"].get<int>(), strap_)));
+  EXPECT_THAT(verified.out, testing::Not(HasSubstr(fmt::format("module {}", joint))));
+  const Outcome live = run("live robot.json --link sim --scene scene.json --seconds 0.6");
+  EXPECT_THAT(live.out + live.messages, HasSubstr(fmt::format("upperarm: never heard: module {}", kModule)));
+
+  for (const char* command : {"export robot.json -o page.html", "export robot.json --switched -o page.html"}) {
+    ASSERT_EQ(run(command).status, 0);
+    const json model = page_model("page.html");
+    EXPECT_EQ(model["covers"][1]["name"], "upperarm");
+    EXPECT_EQ(model["covers"][1]["first_module"], kModules);
+    const int first_patch = model["covers"][1]["first_patch"];
+    EXPECT_EQ(model["modules"][joint]["patch"], first_patch + patch_);
+    EXPECT_EQ(model["patches"][first_patch + patch_]["node"], node);
+    EXPECT_EQ(model["modules"][joint]["address"], module_["address"]);
+  }
+  const Outcome sheets = run("export robot.json -o sheet.pdf");
+  if (sheets.messages.find("without its assembly sheet") != std::string::npos) return;
+  EXPECT_EQ(sheets.out, "sheet.forearm.pdf\nsheet.upperarm.pdf\n") << sheets.messages;
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// A box has modules on all of its sides, so one view does not show all of them; a strip is seen from one side.
+TEST_F(OneName, each_module_of_a_picture_has_its_number) {
+  ASSERT_EQ(run("export strip.json -o strip.svg").status, 0);
+  EXPECT_EQ(count_of(read_file(folder_ / "strip.svg"), "<g "), 1U);
+  const std::string box = source_folder() + "/tests/output/view/designs/box.json";
+  ASSERT_EQ(run("export '" + box + "' --format picture -o box.svg").status, 0);
+  const std::string picture = read_file(folder_ / "box.svg");
+  EXPECT_GE(count_of(picture, "<g "), 4U);
+  for (std::size_t k = 0; k < json::parse(read_file(box))["modules"].size(); ++k)
+    EXPECT_GE(count_of(picture, fmt::format(">{}</text>", k)), 1U) << k;
+}
+
+}  // namespace
+}  // namespace triskin::test
