@@ -39,8 +39,7 @@ std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   return read_offsets(bus, design, bus.discover());
 }
 
-design::RestValues settled_rest(Bus& bus, const design::Design& design,
-                                std::span<const wire::NodeClaim> claims) {
+design::RestValues settled_rest(Bus& bus, const design::Design& design, std::span<const wire::NodeClaim> claims) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   design::RestValues rest(design.layout.modules.size());
   for (auto& module : rest) module.fill(kUnknown);
