@@ -100,6 +100,46 @@ TEST(TimedFaults, a_stuck_line_is_released) {
   EXPECT_TRUE(answers(skin, 1, 1, kUntil));
 }
 
+// The strip is a chain: modules 0 … 3 have line 0, modules 4 and 5 line 1.
+TEST(TimedFaults, an_open_line_silences_its_modules_from_the_joint_on) {
+  Fault f = fault(FaultKind::kOpenLine, 2);
+  f.line = 0;
+  Skin skin(with(f));
+  for (const int address : {2, 3}) {
+    EXPECT_TRUE(answers(skin, 0, address, kFrom - 1)) << address;
+    EXPECT_FALSE(answers(skin, 0, address, kFrom)) << address;
+    EXPECT_TRUE(answers(skin, 0, address, kUntil)) << address;
+  }
+  EXPECT_TRUE(answers(skin, 0, 1, kFrom));
+  EXPECT_TRUE(answers(skin, 1, 0, kFrom)) << "the other lines pass the joint";
+}
+
+TEST(TimedFaults, a_loose_plug_takes_all_that_is_behind_it) {
+  Skin skin(with(fault(FaultKind::kLoosePlug, 3)));
+  EXPECT_TRUE(answers(skin, 0, 2, kFrom));
+  for (const auto& [line, address] : {std::pair{0, 3}, {1, 0}, {1, 1}}) {
+    EXPECT_TRUE(answers(skin, line, address, 0));
+    EXPECT_FALSE(answers(skin, line, address, kFrom));
+    EXPECT_TRUE(answers(skin, line, address, kUntil));
+  }
+}
+
+// 200,000 counts/s over the 500 µs since it began are 100 counts; after its end they stay.
+TEST(TimedFaults, a_chip_drifts_until_it_stops) {
+  Fault f = fault(FaultKind::kDriftingChip, 5);
+  f.value = 200'000;
+  const Skin skin(with(f));
+  const ModuleSkin& m = skin.module(layout::ModuleId{5});
+  for (const int taxel : {0, 6}) {
+    const double rest = m.rest_counts(layout::TaxelIndex{taxel});
+    EXPECT_DOUBLE_EQ(m.counts(taxel, kFrom), rest);
+    EXPECT_DOUBLE_EQ(m.counts(taxel, kFrom + 500), rest + 100.0);
+    EXPECT_DOUBLE_EQ(m.counts(taxel, kUntil + 500), rest + 200.0);
+  }
+  const ModuleSkin& other = skin.module(layout::ModuleId{4});
+  EXPECT_DOUBLE_EQ(other.counts(0, kUntil), other.rest_counts(layout::TaxelIndex{0}));
+}
+
 TEST(TimedFaults, pads_are_saturated_and_frozen_for_a_time) {
   Fault f = fault(FaultKind::kSaturatedTaxel, 5);
   f.taxel = layout::TaxelIndex{3};

@@ -36,12 +36,13 @@ void read_row(PatchState& p, std::size_t row, const PatchState& from, const Site
   if (const auto other = row_at(from, seen.line, seen.address)) {
     p.states.state[row] = from.states.state[*other];
     p.now.modules[row] = from.now.modules[*other];
+    p.first.modules[row] = from.first.modules[*other];
     p.rest.modules[row] = from.rest.modules[*other];
     return;
   }
   p.states.state[row] = state_of(from.lines[index(seen.line)], seen.address);
   p.now.modules[row].valid = layout::kAllTaxels;
-  p.rest.modules[row] = p.now.modules[row];
+  p.first.modules[row] = p.rest.modules[row] = p.now.modules[row];
 }
 
 // Returns the faults of the rows of `from`, renumbered to rows of `p`.

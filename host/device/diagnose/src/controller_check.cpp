@@ -21,15 +21,6 @@ std::string patches_text(const std::vector<layout::PatchIndex>& patches) {
 
 }  // namespace
 
-Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::string text, std::string remedy) {
-  Finding f;
-  f.kind = kind;
-  f.patch = patch;
-  f.text = std::move(text);
-  f.remedy = std::move(remedy);
-  return f;
-}
-
 ControllerCheck::ControllerCheck(session::Bus& bus, const design::Design& design)
     : bus_(bus), design_(design), claims_(bus.discover()) {
   for (const wire::NodeClaim& c : claims_) {
@@ -46,7 +37,14 @@ bool ControllerCheck::check(PatchState& p, std::vector<Finding>& findings) {
     return false;
   }
   session::Controller c = p.controller(bus_);
-  c.require_versions(c.hello());
+  if (const wire::Hello h = c.hello();
+      h.wire_version != wire::kWireVersion || h.layout_version != layout::kLayoutVersion) {
+    findings.push_back(controller_finding(Seen::kOtherFirmware, p.patch, fmt::arg("node", node),
+                                          fmt::arg("wire", h.wire_version), fmt::arg("layout", h.layout_version),
+                                          fmt::arg("own_wire", wire::kWireVersion),
+                                          fmt::arg("own_layout", layout::kLayoutVersion)));
+    return false;
+  }
   const wire::ActiveTable active = c.active_table();
   if (active.design_id == session::kIdentifyDesign) {
     absent_.push_back(p.patch);
@@ -92,11 +90,9 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, session::Controller&
     const int is = table->modules[k].module_id >> layout::kKindShift,
               meant = session::kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
-    Finding f = controller_finding(
-        FindingKind::kWrongKind, p.patch,
-        fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch, p.module(k),
-                    name_of_kind(is), p.image.node_address, name_of_kind(meant)),
-        "look which kind is mounted; run triskin flash with the design that says so");
+    Finding f =
+        controller_finding(Seen::kOtherKind, p.patch, fmt::arg("module", p.module(k)), fmt::arg("is", name_of_kind(is)),
+                           fmt::arg("node", p.image.node_address), fmt::arg("meant", name_of_kind(meant)));
     f.module = p.module(k);
     findings.push_back(std::move(f));
   }
@@ -119,11 +115,9 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
     const layout::PatchImage image = session::image_of(design_, p.patch, choice);
     if (crc32(session::bytes_of(image)) != crc) continue;
     findings.push_back(controller_finding(
-        FindingKind::kBackupRoute, p.patch,
-        fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} {} read", p.patch,
-                    failure_text(choice), image.module_count, counted(p.image.module_count, "module"),
-                    agreeing(image.module_count, "is", "are")),
-        "repair it, then run triskin flash without --route"));
+        Seen::kBackupTable, p.patch, fmt::arg("failure", failure_text(choice)),
+        fmt::arg("read", fmt::format("{} of {} {}", image.module_count, counted(p.image.module_count, "module"),
+                                     agreeing(image.module_count, "is", "are")))));
     p.image = image;
     p.on_backup = true;
     return true;
@@ -162,50 +156,37 @@ Finding ControllerCheck::duplicate_finding(layout::PatchIndex patch,
                                            const std::vector<layout::PatchIndex>& without) const {
   const layout::NodeAddress node = design::node_address_of(design_, patch);
   const std::vector<std::string> serials = serials_at(node);
-  std::string text = fmt::format("patch {}: {} {} node address {}: {}", patch, counted(serials.size(), "controller"),
-                                 agreeing(serials.size(), "shares", "share"), node, fmt::join(serials, " and "));
-  if (!without.empty())
-    text += fmt::format("; {} {} none", patches_text(without), without.size() == 1 ? "has" : "have");
-  return controller_finding(
-      FindingKind::kDuplicateController, patch, std::move(text),
-      "take off the controller that does not belong to this skin; if both do, triskin flash gives each "
-      "its own address");
+  return controller_finding(Seen::kSharedNode, patch, fmt::arg("node", node),
+                            fmt::arg("serials", fmt::join(serials, " and ")),
+                            fmt::arg("controllers", fmt::format("{} {}", counted(serials.size(), "controller"),
+                                                                agreeing(serials.size(), "shares", "share"))),
+                            fmt::arg("without", without.empty() ? ""
+                                                                : fmt::format("; {} {} none", patches_text(without),
+                                                                              without.size() == 1 ? "has" : "have")));
 }
 
 // Before it is flashed, nobody knows which of the patches a new controller belongs to.
 Finding ControllerCheck::unflashed_finding(std::size_t new_controllers) const {
-  const std::string silent =
-      absent_.size() <= new_controllers ? "" : fmt::format(", and {} do not answer", absent_.size() - new_controllers);
+  const bool some_are_silent = absent_.size() > new_controllers;
   return controller_finding(
-      FindingKind::kNotFlashed, absent_.front(),
-      fmt::format("{}: no controller has {}; {}{}", patches_text(absent_),
-                  absent_.size() == 1 ? "its table" : "their tables",
-                  claims_.size() == 1 ? std::string("the only controller on the link has no table")
-                                      : fmt::format("{} of {} controllers on the link {} no table", new_controllers,
-                                                    claims_.size(), agreeing(new_controllers, "has", "have")),
-                  silent),
-      silent.empty() ? "run triskin flash with this design and link"
-                     : "check power and cables of all controllers, then run triskin flash");
+      some_are_silent ? Seen::kNoTableAndSilent : Seen::kNoTable, absent_.front(),
+      fmt::arg("patches", patches_text(absent_)),
+      fmt::arg("tables", absent_.size() == 1 ? "its table" : "their tables"),
+      fmt::arg("controllers", claims_.size() == 1
+                                  ? "the only controller on the link has no table"
+                                  : fmt::format("{} of {} controllers on the link {} no table", new_controllers,
+                                                claims_.size(), agreeing(new_controllers, "has", "have"))),
+      fmt::arg("silent", absent_.size() - new_controllers));
 }
 
 // A wrong file is more likely than a wrongly flashed skin, and trying another file costs nothing.
 Finding ControllerCheck::other_design_finding(std::uint64_t held,
                                               const std::vector<layout::PatchIndex>& patches) const {
-  if (held == design_.design_id) {
-    return controller_finding(
-        FindingKind::kWrongTable, patches.front(),
-        fmt::format("{}: the controllers hold other tables of this design ({:016x})", patches_text(patches), held),
-        "run triskin flash with this design");
-  }
+  const bool other = held != design_.design_id;
   Finding f = controller_finding(
-      FindingKind::kWrongTable, patches.front(),
-      fmt::format("{}: the skin holds design {:016x}, and this file is design {:016x}", patches_text(patches), held,
-                  design_.design_id),
-      fmt::format(
-          "look first whether this is the right file: verify with that of design {:016x}; only if the skin is to "
-          "become this design, run triskin flash --take-over",
-          held));
-  f.held_design = held;
+      other ? Seen::kOtherDesign : Seen::kOtherTables, patches.front(), fmt::arg("patches", patches_text(patches)),
+      fmt::arg("held", fmt::format("{:016x}", held)), fmt::arg("design", fmt::format("{:016x}", design_.design_id)));
+  if (other) f.held_design = held;
   return f;
 }
 
@@ -222,10 +203,8 @@ void ControllerCheck::summarise(std::vector<Finding>& findings) {
   if (new_controllers > 0) findings.push_back(unflashed_finding(new_controllers));
   for (const auto& [held, patches] : foreign_) findings.push_back(other_design_finding(held, patches));
   for (const layout::PatchIndex patch : absent) {
-    findings.push_back(controller_finding(FindingKind::kAbsentController, patch,
-                                          fmt::format("patch {}: no controller answers at node address {}", patch,
-                                                      design::node_address_of(design_, patch)),
-                                          "check its power and its cable to the bus"));
+    findings.push_back(
+        controller_finding(Seen::kNoController, patch, fmt::arg("node", design::node_address_of(design_, patch))));
   }
 }
 

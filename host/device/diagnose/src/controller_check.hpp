@@ -10,8 +10,12 @@
 namespace triskin::diagnose {
 
 /// Makes a finding that concerns the controller of `patch` and no module.
-[[nodiscard]] Finding controller_finding(FindingKind kind, layout::PatchIndex patch, std::string text,
-                                         std::string remedy);
+template <class... Words>
+[[nodiscard]] Finding controller_finding(Seen seen, layout::PatchIndex patch, const Words&... words) {
+  Finding f = finding(seen, fmt::arg("patch", patch), words...);
+  f.patch = patch;
+  return f;
+}
 
 /// Checks that the controllers are present and have the tables of the design. One cause gives one finding, however many
 /// patches it concerns.

@@ -5,56 +5,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 
 #include "cover_place.hpp"
+#include "rules.hpp"
 #include "triskin/design/straps.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::diagnose {
 namespace {
 
-// A person has to do one of these kinds of work at the patch.
-enum class Work {
-  kFlash,        // The tables have to be flashed again.
-  kOtherDesign,  // The tables belong to another design, so the file may be the wrong one.
-  kTare,         // Only the rest values are wrong.
-  kLook,         // The work is at the computer or the bus, with the supply on.
-  kReplace,      // The module is replaced by a new one.
-  kStrap,        // The module's straps have to be changed.
-  kPlace,        // Several modules have to change their places.
-  kJoint,        // A joint has to be soldered again.
-  kPart,         // A joint that should not exist has to be separated.
-  kShort,        // The module that holds a line low has to be found.
-  kTurn,         // The module has to be turned back.
-  kCable,        // The cables of controllers, the lines of a cable or whole patches are exchanged.
-};
-
-struct WorkOf {
-  FindingKind kind;
-  Work work;
-};
-constexpr std::array kWorks{
-    WorkOf{FindingKind::kNotFlashed, Work::kFlash},         WorkOf{FindingKind::kWrongKind, Work::kFlash},
-    WorkOf{FindingKind::kBackupRoute, Work::kFlash},        WorkOf{FindingKind::kStaleRest, Work::kTare},
-    WorkOf{FindingKind::kLostSamples, Work::kLook},         WorkOf{FindingKind::kAbsentModule, Work::kReplace},
-    WorkOf{FindingKind::kMissingModule, Work::kReplace},    WorkOf{FindingKind::kWrongId, Work::kReplace},
-    WorkOf{FindingKind::kSaturatedTaxel, Work::kReplace},   WorkOf{FindingKind::kFrozenTaxel, Work::kReplace},
-    WorkOf{FindingKind::kNoTouchResponse, Work::kReplace},  WorkOf{FindingKind::kWrongAddress, Work::kStrap},
-    WorkOf{FindingKind::kDuplicateAddress, Work::kStrap},   WorkOf{FindingKind::kSwappedModules, Work::kPlace},
-    WorkOf{FindingKind::kWrongOrder, Work::kPlace},         WorkOf{FindingKind::kTouchedOtherModule, Work::kPlace},
-    WorkOf{FindingKind::kIntermittentModule, Work::kJoint}, WorkOf{FindingKind::kLostConfiguration, Work::kJoint},
-    WorkOf{FindingKind::kMissingJoint, Work::kJoint},       WorkOf{FindingKind::kAdoptedModule, Work::kJoint},
-    WorkOf{FindingKind::kLooseJoint, Work::kJoint},         WorkOf{FindingKind::kSaggingSupply, Work::kJoint},
-    WorkOf{FindingKind::kExtraJoint, Work::kPart},          WorkOf{FindingKind::kStuckLine, Work::kShort},
-    WorkOf{FindingKind::kRotatedModule, Work::kTurn},
-};
-
-// Other findings are repaired at a cable or plug, as their remedy says.
 Work work_of(const Finding& finding) {
-  if (finding.kind == FindingKind::kWrongTable) return finding.held_design != 0 ? Work::kOtherDesign : Work::kFlash;
-  const auto* found = std::ranges::find(kWorks, finding.kind, &WorkOf::kind);
-  return found == kWorks.end() ? Work::kCable : found->work;
+  return finding.held_design != 0 ? Work::kOtherDesign : work_of(finding.kind);
 }
 
 bool at_the_bench(Work work) {

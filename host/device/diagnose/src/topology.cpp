@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/diagnose/topology.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <compare>
 #include <optional>
 #include <ranges>
 #include <set>
 
+#include "rules.hpp"
 #include "triskin/design/joint.hpp"
 
 namespace triskin::diagnose {
@@ -119,27 +118,22 @@ class Overlay {
     }
   }
 
-  void add(FindingKind kind, layout::ModuleId module, layout::ModuleId other, std::string text, std::string remedy,
-           int steps = 0) {
-    result_.differences.push_back({kind, module, other, steps, std::move(text), std::move(remedy)});
+  template <class... Words>
+  TopologyDifference& add(Seen seen, layout::ModuleId module, layout::ModuleId other, const Words&... words) {
+    Finding f = finding(seen, fmt::arg("module", module), fmt::arg("other", other), words...);
+    return result_.differences.emplace_back(f.kind, module, other, 0, std::move(f.text), std::move(f.remedy));
   }
 
   void examine_entry(PatchRow entry_row) {
     const layout::ModuleId entry = module_at(entry_row), designed = module_at(kEntryRow);
     const int cable_side = side_of({FoundNumber{0}, found_.cable_port})->side;
     if (found_.second_cable && entry == patch_.second_entry && cable_side == patch_.second_entry_side) {
-      add(FindingKind::kSecondCable, designed, entry,
-          fmt::format(
-              "the patch is read over its second cable, at module {}; over the first, at module {}, too little answers",
-              entry, designed),
-          "check the first cable and its module");
+      add(Seen::kSecondCable, designed, entry, fmt::arg("entry", entry));
       return;
     }
     if (entry_row == kEntryRow && cable_side == designed_rotation(kEntryRow)) return;
-    add(FindingKind::kWrongEntry, designed, entry,
-        fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}",
-                    cable_side, entry, designed_rotation(kEntryRow), designed),
-        "plug it where the assembly sheet says");
+    add(Seen::kOtherEntry, designed, entry, fmt::arg("entry", entry), fmt::arg("side", cable_side),
+        fmt::arg("designed", designed_rotation(kEntryRow)));
   }
 
   // Two exchanged modules that kept their rotations look like two rotated ones.
@@ -157,26 +151,16 @@ class Overlay {
       });
       const layout::ModuleId module = module_at(row);
       if (partner != turned.end()) {
-        add_exchanged(module, module_at(*row_of(*partner)));
+        add(Seen::kPairTurned, module, module_at(*row_of(*partner)));
         turned.erase(partner);
-      } else {
-        add_turned(module, rotation_of(a), designed_rotation(row));
+        continue;
       }
+      const int designed = designed_rotation(row), steps = (rotation_of(a) + 3 - designed) % 3;
+      add(Seen::kPortsTurned, module, layout::ModuleId::none(), fmt::arg("degrees", 120 * steps),
+          fmt::arg("side", rotation_of(a)), fmt::arg("designed", designed))
+          .steps = steps;
     }
   }
-  void add_exchanged(layout::ModuleId module, layout::ModuleId other) {
-    add(FindingKind::kSwappedModules, module, other,
-        fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
-        "exchange them, or turn both as the assembly sheet says");
-  }
-  void add_turned(layout::ModuleId module, int rotation, int designed) {
-    const int steps = (rotation + 3 - designed) % 3;
-    add(FindingKind::kRotatedModule, module, layout::ModuleId::none(),
-        fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps, rotation,
-                    designed),
-        "turn it as the assembly sheet says", steps);
-  }
-
   void examine_joints() {
     std::set<std::pair<PatchRow, PatchRow>> agreeing;
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
@@ -186,10 +170,7 @@ class Overlay {
       for (int side = 0; side < 3; ++side) {
         const auto end = across({a, side});
         if (!end || end->row < a || agreeing.contains({a, end->row}) || !placed(a) || !placed(end->row)) continue;
-        add(FindingKind::kMissingJoint, module_at(a), module_at(end->row),
-            fmt::format("nothing passes between module {} and module {}, which are joined in the design", module_at(a),
-                        module_at(end->row)),
-            "look for a broken or unsoldered joint between them");
+        add(Seen::kNothingBetween, module_at(a), module_at(end->row));
       }
     }
   }
@@ -204,10 +185,8 @@ class Overlay {
       ++result_.agreeing_joints;
       return;
     }
-    add(FindingKind::kExtraJoint, module_at(a->row), module_at(b->row),
-        fmt::format("port {} of module {} and port {} of module {} are joined, in the design they are not",
-                    kPorts[here.port], module_at(a->row), kPorts[end->port], module_at(b->row)),
-        "part this joint");
+    add(Seen::kJointNotDesigned, module_at(a->row), module_at(b->row), fmt::arg("port", kPorts[here.port]),
+        fmt::arg("other_port", kPorts[end->port]));
   }
 
   [[nodiscard]] bool placed(PatchRow row) const { return std::ranges::find(row_, std::optional(row)) != row_.end(); }
@@ -215,15 +194,12 @@ class Overlay {
   void examine_modules() {
     for (const PatchRow row : all<PatchRow>(patch_.modules.size())) {
       if (placed(row)) continue;
-      add(FindingKind::kMissingModule, module_at(row), layout::ModuleId::none(),
-          fmt::format("module {} was not found: it or all of its joints are broken", module_at(row)),
-          "check its supply and its joints, then the module");
+      add(Seen::kModuleNotFound, module_at(row), layout::ModuleId::none(), fmt::arg("behind", ""),
+          fmt::arg("meanwhile", ""));
     }
     for (const FoundNumber m : all<FoundNumber>(found_.count)) {
       if (row_of(m)) continue;
-      add(FindingKind::kExtraModule, layout::ModuleId::none(), layout::ModuleId::none(),
-          fmt::format("found module {} fits nowhere in the design", index(m)),
-          "compare the patch with the assembly sheet");
+      add(Seen::kModuleFitsNowhere, layout::ModuleId::none(), layout::ModuleId::none(), fmt::arg("number", index(m)));
     }
   }
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "triskin/design/off_rest.hpp"
+#include "rules.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -24,9 +24,9 @@ struct PatchState {
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;
   std::optional<wire::Crash> crash;
-  wire::FaultList earlier;  ///< These faults were in memory when the verification began.
-  wire::FaultList faults;   ///< These faults were recorded during the verification.
-  wire::LiveTaxels now, rest;
+  wire::FaultList earlier;            ///< These faults were in memory when the verification began.
+  wire::FaultList faults;             ///< These faults were recorded during the verification.
+  wire::LiveTaxels first, rest, now;  ///< before anything else, before the first touch, and at the end
   wire::FoundTopology topology;
   wire::ActiveRoute route;
   wire::Adoption adoption;  ///< The adoption was read at the same time as the samples.
@@ -101,24 +101,24 @@ class TouchTest {
   std::vector<design::ModuleWiring> wiring_;
 };
 
-struct CableExplanation;
-struct MissingCause;
-struct TopologyDifference;
+/// Returns how much the temperature pads of a module have changed, on average; warmth affects the other taxels alike.
+template <class Rest>
+[[nodiscard]] double pads_change_counts(const wire::ModuleTaxels& now, const Rest& rest) {
+  double sum = 0.0;
+  int pads = 0;
+  for (const std::size_t t : layout::kTemperaturePads) {
+    if (!now.is_valid(t)) continue;
+    sum += static_cast<double>(now.value[t]) - static_cast<double>(rest[t]);
+    ++pads;
+  }
+  return pads == 0 ? 0.0 : sum / pads;
+}
 
-/// What the fault memory says about modules that answer now: one cause for several modules behind a joint, another one
-/// for a single module.
-struct PastFault {
-  FindingKind together;
-  const char* seen_together;  ///< The sentence goes on with the modules.
-  const char* remedy_together;
-  FindingKind alone;
-  const char* seen_alone;
-  const char* remedy_alone;
-};
+struct CableExplanation;
 
 /// Turns observations into findings, without using a link. It first looks for exchanged cables and then reads
 /// everything else as if they were plugged in correctly, so that one mistake does not hide another. Then it examines
-/// the modules in groups that one cause explains. The likeliest explanation is listed first.
+/// the modules in groups that one cause explains. Words and remedies are in rules.cpp.
 class Diagnosis {
  public:
   /// `rest` has the rest values, or is empty. References must outlive the diagnosis; other arguments are moved into it.
@@ -127,73 +127,81 @@ class Diagnosis {
   void run(VerifyResult& result);
 
  private:
+  using Modules = std::set<layout::ModuleId>;
   struct Place {
     int line = 0, address = 0;
   };
-  /// One joint, cable or supply explains these modules: `module` and all modules behind it.
+  /// One joint, cable, line or supply explains these modules: they are behind `module`.
   struct Branch {
     layout::ModuleId module = layout::ModuleId::none(), parent = layout::ModuleId::none();
     std::vector<layout::ModuleId> members;
   };
-  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<layout::ModuleId>& modules) const;
-  /// Modules of one line that are the only ones of it behind a joint: its wires are open there, and others pass.
-  [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line,
-                                                const std::set<layout::ModuleId>& modules) const;
-  void add_open_line(FindingKind kind, layout::PatchIndex patch, int line, const Branch& open, std::string text);
-  void add_open_lines(FindingKind kind, const PatchState& p, std::set<layout::ModuleId>& modules,
-                      const std::string& what);
-  [[nodiscard]] std::string behind(const Branch& branch) const;
-  void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
-                  const std::string& remedy);
-  /// Adds one finding for each branch of `modules`.
-  void add_branches(const PatchState& p, const std::set<layout::ModuleId>& modules, const PastFault& fault);
-  [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
-                                      const Place& place) const;
-  std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
+  /// What several modules that fail alike are taken for.
+  struct Group {
+    std::optional<Seen> line;
+    Seen supply, joint, alone;
+  };
+
+  // The order of the examination.
   void examine_cables();
-  void add_exchanged(const CableExplanation& e);
-  void examine_mirrored(const PatchState& p);
-  [[nodiscard]] std::vector<const TouchOutcome*> whole_touches(layout::PatchIndex patch) const;
-  [[nodiscard]] bool keep_distances(const std::vector<const TouchOutcome*>& touches) const;
-  void examine_touch(const TouchOutcome& t);
-  /// Examines the touch of a module that another one has answered.
-  void examine_other_answer(const TouchOutcome& t, layout::PatchIndex patch);
-  [[nodiscard]] std::vector<layout::ModuleId> ring_from(layout::ModuleId module) const;
-  void examine_silent_taxels(const TouchOutcome& t, layout::PatchIndex patch);
-  void add_wrong_address(const PatchState& p, std::size_t row, const Place& place);
-  void examine_dips(const PatchState& p, std::set<layout::ModuleId> away, const std::set<layout::ModuleId>& dipped);
-  void examine_lines(const PatchState& p);
-  void examine_modules(const PatchState& p);
-  void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
-  void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
-  void match_elsewhere(const PatchState& p, std::vector<std::size_t>& open, std::vector<Place>& elsewhere);
-  void examine_silent(const PatchState& p, std::set<layout::ModuleId> silent);
-  void examine_taxels(const PatchState& p, std::size_t row);
-  void add_bad_taxel(layout::ModuleId module, layout::PatchIndex patch, layout::TaxelIndex taxel, bool at_end);
+  void note_adopted();
   void examine_patch(const PatchState& p);
   void examine_topology(const PatchState& p);
-  void add_wrong_patch(const PatchState& p, const std::string& what);
-  void add_difference(const PatchState& p, const TopologyDifference& d);
-  void note_adopted();
-  void examine_adoption();
-  void examine_missing(const PatchState& p, const std::set<layout::ModuleId>& missing);
-  [[nodiscard]] std::string broken_joint_text(const MissingCause& c,
-                                              const std::vector<layout::ModuleId>& concerned) const;
-  [[nodiscard]] static std::string broken_module_text(const MissingCause& c);
-  void examine_rest();
-  [[nodiscard]] design::OffRest off_rest() const;
+  void examine_missing(const PatchState& p, const Modules& missing);
+  void examine_lines(const PatchState& p);
   void examine_history(const PatchState& p);
+  void examine_modules(const PatchState& p);
+  void examine_absent(const PatchState& p, std::vector<std::size_t> rows);
+  void examine_taxels(const PatchState& p, std::size_t row);
+  void examine_mirrored(const PatchState& p);
+  void examine_adoption();
+  void examine_drift();
+  void examine_touch(const TouchOutcome& t);
+  void examine_rest();
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
-  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
-  void examine_touches();
+
+  // One cause for many modules.
+  void explain(const PatchState& p, Modules modules, const Group& group);
+  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const Modules& modules) const;
+  [[nodiscard]] std::optional<Branch> open_line(const PatchState& p, int line, const Modules& modules) const;
+  [[nodiscard]] layout::ModuleId farthest_of_supply(const PatchState& p, const Modules& modules) const;
+  [[nodiscard]] std::optional<std::pair<Seen, layout::ModuleId>> remembered(const PatchState& p,
+                                                                            const wire::FaultRecord& fault) const;
+
+  // Which module sits at a place.
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
+  std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
+  [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
+                                      const Place& place) const;
+  void add_at(Seen seen, const PatchState& p, std::size_t row, const Place& place,
+              layout::ModuleId other = layout::ModuleId::none());
   [[nodiscard]] const TouchOutcome* touch_of(layout::ModuleId module) const;
+  [[nodiscard]] std::vector<layout::ModuleId> ring_from(layout::ModuleId module) const;
+
   [[nodiscard]] std::string where(layout::ModuleId module) const;
-  [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
-  void add_duplicate(const PatchState& p, std::size_t row, layout::ModuleId other);
-  [[nodiscard]] static std::string at(int line, int address);
-  Finding& add(FindingKind kind, layout::ModuleId module, layout::PatchIndex patch, std::string text,
-               std::string remedy);
+  /// These modules are not in order, and nothing else is said about them.
+  template <class Range>
+  void explained_by_this(const Range& modules) {
+    bad_.insert(modules.begin(), modules.end());
+    explained_.insert(modules.begin(), modules.end());
+  }
+  Finding& add(Finding f);
+  /// Adds a finding about a module.
+  template <class... Words>
+  Finding& add(Seen seen, layout::ModuleId module, const Words&... words) {
+    Finding f = finding(seen, fmt::arg("where", where(module)), fmt::arg("module", module), words...);
+    f.module = module;
+    f.patch = wiring_[static_cast<std::size_t>(module)].patch;
+    bad_.insert(module);
+    return add(std::move(f));
+  }
+  /// Adds a finding about a patch, its cable or a line.
+  template <class... Words>
+  Finding& add(Seen seen, layout::PatchIndex patch, const Words&... words) {
+    Finding f = finding(seen, fmt::arg("patch", patch), words...);
+    f.patch = patch;
+    return add(std::move(f));
+  }
 
   const design::Design& design_;
   std::vector<PatchState> patches_;
@@ -201,8 +209,8 @@ class Diagnosis {
   const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<layout::ModuleId> bad_;        // These modules have a state other than ok.
-  std::set<layout::ModuleId> explained_;  // The missing touch response of these modules already has a finding.
+  Modules bad_;        // These modules have a state other than ok.
+  Modules explained_;  // The missing touch response of these modules already has a finding.
   // Each adopted module is mapped to the patch whose controller reads it.
   std::map<layout::ModuleId, layout::PatchIndex> adopter_;
 };

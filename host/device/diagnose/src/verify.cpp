@@ -37,6 +37,7 @@ void start_patch(session::Bus& bus, PatchState& p) {
   session::Controller c = p.controller(bus);
   p.earlier = c.faults();
   p.crash = c.crash();
+  p.first = c.taxels();
   if (p.earlier.count > 0 || p.crash) c.clear_faults();
 }
 
@@ -87,13 +88,9 @@ void read_patch(session::Bus& bus, PatchState& p) {
 void add_crashes(const std::vector<PatchState>& patches, const VerifyOptions& options, VerifyResult& result) {
   for (const PatchState& p : patches) {
     if (!p.crash) continue;
-    result.findings.push_back(controller_finding(
-        FindingKind::kCrashedController, p.patch,
-        fmt::format("patch {}: controller {} {}", p.patch, p.image.node_address, crash_text(*p.crash, options.elf)),
-        options.elf.empty()
-            ? "run triskin verify again and let it work; if it comes back, send this line and the firmware "
-              "version to who makes the firmware, or find function and line with --elf"
-            : "the record is deleted now; if it comes back, send this line to who makes the firmware"));
+    result.findings.push_back(controller_finding(options.elf.empty() ? Seen::kCrash : Seen::kCrashNamed, p.patch,
+                                                 fmt::arg("node", p.image.node_address),
+                                                 fmt::arg("crash", crash_text(*p.crash, options.elf))));
   }
 }
 
@@ -133,15 +130,6 @@ std::vector<TouchOutcome> touch_all(session::Bus& bus, const design::Design& des
   return outcomes;
 }
 
-Finding lost_samples_finding(layout::PatchIndex patch, const session::SampleCounts& c, std::uint64_t lost,
-                             const session::BusBudget& budget) {
-  return controller_finding(FindingKind::kLostSamples, patch,
-                            fmt::format("patch {}: {} of {} did not arrive: {} found no room on the bus, {} were lost "
-                                        "on the way, {} while the controller was silent",
-                                        patch, lost, counted(c.expected, "sample"), c.dropped, c.on_the_way, c.silent),
-                            fmt::format("check cable and termination; {}", describe(budget)));
-}
-
 // Reads the stream for a while; samples that were due and did not arrive become findings of their patches.
 void watch_stream(session::Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
                   VerifyResult& result) {
@@ -157,7 +145,10 @@ void watch_stream(session::Bus& bus, const design::Design& design, const VerifyO
   for (const auto& [patch, c] : patches) {
     const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // Unread samples have their own findings.
     if (lost == 0) continue;
-    result.findings.push_back(lost_samples_finding(patch, c, lost, result.stream->budget));
+    result.findings.push_back(controller_finding(
+        Seen::kSamplesLost, patch, fmt::arg("lost", lost), fmt::arg("samples", counted(c.expected, "sample")),
+        fmt::arg("dropped", c.dropped), fmt::arg("on_the_way", c.on_the_way), fmt::arg("silent", c.silent),
+        fmt::arg("budget", describe(result.stream->budget))));
   }
 }
 

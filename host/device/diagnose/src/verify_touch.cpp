@@ -63,10 +63,11 @@ TouchTest::Response TouchTest::response_of(const PatchState& patch, std::size_t 
                                            const wire::LiveTaxels& now) const {
   Response r;
   r.module = patch.module(row);
+  const double warming = pads_change_counts(now.modules[row], patch.rest.modules[row].value);
   for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
     if (!layout::measures_pressure(t) || !now.modules[row].is_valid(t)) continue;
     const double change = std::abs(static_cast<double>(now.modules[row].value[t]) -
-                                   static_cast<double>(patch.rest.modules[row].value[t]));
+                                   static_cast<double>(patch.rest.modules[row].value[t]) - warming);
     r.strength += change;
     if (change >= kTaxelChange_counts) r.changed |= 1U << t;
     if (change <= r.taxel_counts) continue;

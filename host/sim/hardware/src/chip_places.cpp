@@ -13,14 +13,19 @@ namespace {
 // Removes chips after all others have their places, whatever the order of faults in the scene.
 void remove_from(std::vector<ChipPlace>& places, const Scene& scene, std::uint64_t at_us) {
   for (const Fault& f : scene.faults) {
-    if (f.kind == FaultKind::kRemovedChip && is_present(f, at_us))
+    if (!is_present(f, at_us)) continue;
+    if (f.kind == FaultKind::kRemovedChip)
       places[static_cast<std::size_t>(f.module)].patch = layout::PatchIndex::none();
+    if (f.kind != FaultKind::kOpenLine) continue;
+    for (const design::RoutedModule& m : modules_from(scene.design, f.module)) {
+      if (m.line == f.line) places[static_cast<std::size_t>(m.node)].patch = layout::PatchIndex::none();
+    }
   }
 }
 
 bool moves_chips(const Fault& f) {
-  return f.module >= 0 &&
-         (f.kind == FaultKind::kRemovedChip || f.kind == FaultKind::kMovedChip || f.kind == FaultKind::kSwappedChips);
+  return f.module >= 0 && (f.kind == FaultKind::kRemovedChip || f.kind == FaultKind::kOpenLine ||
+                           f.kind == FaultKind::kMovedChip || f.kind == FaultKind::kSwappedChips);
 }
 
 void apply_to(std::vector<ChipPlace>& places, const Fault& f) {
@@ -30,6 +35,16 @@ void apply_to(std::vector<ChipPlace>& places, const Fault& f) {
 }
 
 }  // namespace
+
+std::vector<design::RoutedModule> modules_from(const design::Design& design, layout::ModuleId module) {
+  std::vector<design::RoutedModule> found;
+  for (const design::Patch& patch : design.patches) {
+    for (const design::RoutedModule& m : patch.modules) {  // Parents precede children.
+      if (m.node == module || std::ranges::count(found, m.parent, &design::RoutedModule::node) > 0) found.push_back(m);
+    }
+  }
+  return found;
+}
 
 ChipPlace place_at(const ChipPlaces& places, std::uint64_t at_us) {
   return std::prev(std::ranges::upper_bound(places, at_us, {}, &PlaceFrom::from_us))->place;

@@ -24,6 +24,9 @@ using ChipPlaces = std::vector<PlaceFrom>;
 /// Returns the place at virtual time `at_us`. Cost: O(log places).
 [[nodiscard]] ChipPlace place_at(const ChipPlaces& places, std::uint64_t at_us);
 
+/// Returns the modules of the tree from `module` on, itself included; none of a patch gives the module alone.
+[[nodiscard]] std::vector<design::RoutedModule> modules_from(const design::Design& design, layout::ModuleId module);
+
 /// Returns the places of the chips by module, after the faults that remove, move and swap them. Cost: O(faults ·
 /// modules).
 [[nodiscard]] std::vector<ChipPlaces> chip_places(const Scene& scene);

@@ -8,6 +8,7 @@
 
 #include "scene_reader.hpp"
 #include "triskin/design/module_graph.hpp"
+#include "triskin/wire/identity.hpp"
 
 namespace triskin::hardware {
 namespace {
@@ -43,12 +44,19 @@ std::vector<std::string_view> keys_of(FaultKind kind) {
     case FaultKind::kRotatedModule:
       return {"module", "steps"};
     case FaultKind::kHeldLine:
+    case FaultKind::kOpenLine:
       return {"module", "line"};
+    case FaultKind::kDriftingChip:
+      return {"module", "counts_per_s"};
+    case FaultKind::kOtherFirmware:
+      return {"patch", "wire_version"};
     case FaultKind::kStuckBit:
       return {"module", "bit", "value"};
     case FaultKind::kSwappedPatches:
+    case FaultKind::kSameNumber:
       return {"patch", "other"};
     case FaultKind::kRemovedChip:
+    case FaultKind::kLoosePlug:
     case FaultKind::kDeadModule:
     case FaultKind::kModuleReset:
       break;
@@ -89,6 +97,8 @@ void read_times(const SceneNames& names, const JsonValue& v, Fault& f) {
   if (timed && is_of_assembly(f.kind, names.switched))
     v[has(v, "at_s") ? "at_s" : "until_s"].fail(
         "switched modules are joined before power comes, so this fault is there from the beginning; leave it out");
+  if (has(v, "until_s") && f.kind == FaultKind::kSameNumber)
+    v["until_s"].fail("the controller keeps its number until it gets another one; leave it out");
   if (has(v, "until_s") && f.kind == FaultKind::kModuleReset)
     v["until_s"].fail("a module_reset takes no time; leave it out");
   if (has(v, "until_s") && f.kind == FaultKind::kLostConfiguration && !has(v, "every_s"))
@@ -144,7 +154,11 @@ void read_numbers(const JsonValue& v, Fault& f) {
       f.value = has(v, "steps") ? v["steps"].integer(1, 2) : 1;
       break;
     case FaultKind::kHeldLine:
+    case FaultKind::kOpenLine:
       f.line = v["line"].integer(0, 3);
+      break;
+    case FaultKind::kDriftingChip:
+      f.value = v["counts_per_s"].integer(-10'000, 10'000);
       break;
     case FaultKind::kStuckBit:
       f.bit = v["bit"].integer(0, 7);
@@ -163,8 +177,11 @@ Fault read_fault(const SceneNames& names, const JsonValue& v) {
   require_keys(names, v, f.kind);
   if (f.kind == FaultKind::kStuckLine) {
     read_stuck_line(names, v, f);
-  } else if (f.kind == FaultKind::kSwappedPatches) {
+  } else if (f.kind == FaultKind::kSwappedPatches || f.kind == FaultKind::kSameNumber) {
     read_patches(names, v, f);
+  } else if (f.kind == FaultKind::kOtherFirmware) {
+    f.patch = names.patch(v["patch"]);
+    f.value = has(v, "wire_version") ? v["wire_version"].integer(0, 0xFFFF) : wire::kWireVersion + 1;
   } else {
     f.module = names.module(v["module"]);
     const auto keys = keys_of(f.kind);

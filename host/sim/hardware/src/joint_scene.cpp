@@ -89,9 +89,8 @@ class FaultsHere {
     f.other_patch = patch_here(fault.other_patch);
     if (f.other >= 0) f.other = layout::ModuleId{offset.module + f.other};
     if (f.module >= 0) f.module = layout::ModuleId{offset.module + f.module};
-    const bool here = f.kind == FaultKind::kSwappedPatches ? f.patch >= 0 : fault.patch < 0 || f.patch >= 0;
-    if (f.kind == FaultKind::kSwappedPatches && here != (f.other_patch >= 0))
-      refuse(fault, cover, fault.patch, fault.other_patch);
+    const bool here = fault.patch < 0 || f.patch >= 0;
+    if (fault.other_patch >= 0 && here != (f.other_patch >= 0)) refuse(fault, cover, fault.patch, fault.other_patch);
     if (f.kind == FaultKind::kSwappedChips && is_read(f.module) != is_read(f.other))
       refuse(fault, cover, fault.module, fault.other);
     return here ? std::optional(f) : std::nullopt;

@@ -228,7 +228,7 @@ std::uint64_t hardware_id(const Scene& scene) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;  // The start value is that of FNV-1a.
   hash_in(hash, (scene.switched ? 1U : 0U) | (scene.border_joints ? 2U : 0U));
   for (const Fault& f : scene.faults) {
-    const int other = f.kind == FaultKind::kSwappedPatches ? f.other_patch.value() : f.other.value();
+    const int other = f.other_patch >= 0 ? f.other_patch.value() : f.other.value();
     for (const int v : {static_cast<int>(f.kind), f.module.value(), other, f.patch.value(), f.line, f.address,
                         f.taxel.value(), f.value, f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
       hash_in(hash, static_cast<std::uint64_t>(static_cast<std::int64_t>(v)));

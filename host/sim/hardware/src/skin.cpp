@@ -110,6 +110,9 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   value += by_pressure;
   if (effects_) value += effect_counts(taxel, by_pressure, at_us);
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
+  for (const Drift& d : drifts_) {
+    if (at_us > d.from_us) value += d.counts_per_us * static_cast<double>(std::min(at_us, d.until_us) - d.from_us);
+  }
   if (noise_counts_ != 0.0) value += noise_counts_ * gaussian(seed_ ^ (at_us * 16 + taxel));
   return value;
 }
@@ -179,7 +182,12 @@ Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design
   place_chips(scene, switched);
   if (scene.effects.pads.supply) brown_out(*scene.effects.pads.supply, scene.design);
   if (scene.effects.pads.edges) silence_slow_lines(*scene.effects.pads.edges, scene.design);
-  for (const Fault& fault : scene.faults) apply(fault);
+  for (const Fault& fault : scene.faults) {
+    apply(fault);
+    if (fault.kind != FaultKind::kLoosePlug) continue;
+    for (const design::RoutedModule& m : modules_from(scene.design, fault.module))
+      chips_[static_cast<std::size_t>(m.node)]->schedule_outage(fault.from_us, fault.until_us);
+  }
   for (const Contact& contact : scene.contacts) press(contact);
 }
 
@@ -302,6 +310,9 @@ void Skin::apply(const Fault& f) {
     case FaultKind::kFrozenTaxel:
       modules_[static_cast<std::size_t>(f.module)].freeze(f.taxel, f.from_us, f.until_us);
       break;
+    case FaultKind::kDriftingChip:
+      modules_[static_cast<std::size_t>(f.module)].drift(f.value, f.from_us, f.until_us);
+      break;
     case FaultKind::kWrongId:
       chips_[static_cast<std::size_t>(f.module)]->show_device_id(static_cast<std::uint16_t>(f.value), f.from_us,
                                                                  f.until_us);
@@ -311,7 +322,7 @@ void Skin::apply(const Fault& f) {
     case FaultKind::kSwappedChips:
     case FaultKind::kFingerElsewhere:
     default:
-      break;  // Such faults are handled where chips are placed, or at the finger.
+      break;  // Such faults are handled where chips are placed, at the finger or at the controllers.
   }
 }
 

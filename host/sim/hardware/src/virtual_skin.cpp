@@ -5,8 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <set>
 #include <string>
 
@@ -14,6 +17,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/layout/flash_pages.hpp"
+#include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::hardware {
@@ -94,6 +98,9 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
       change_times_us(scene_, [](const Fault& f) { return f.kind == FaultKind::kSwappedPatches; });
   changes_us.erase(0);
   cable_changes_us_.assign(changes_us.rbegin(), changes_us.rend());
+  std::ranges::copy_if(scene_.faults, std::back_inserter(numberings_),
+                       [](const Fault& f) { return f.kind == FaultKind::kSameNumber; });
+  std::ranges::stable_sort(numberings_, std::greater{}, &Fault::from_us);
 }
 
 void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware) {
@@ -108,7 +115,7 @@ void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_fo
   node.board.slots = node.slots.get();
   node.board.unique_id = unique_id_of(scene_, layout::PatchIndex{patch});
   node.board.send = [this, patch](const wire::CanFrame& frame) {
-    pending_.push_back({frame, patch});
+    pending_.push_back({of_its_firmware(frame, layout::PatchIndex{patch}), patch});
     ++nodes_[patch].in_buffers;
   };
   // The FDCAN of the microcontroller has three transmit buffers; further frames wait in the controller.
@@ -136,6 +143,34 @@ void VirtualSkin::exchange_cables() {
     plug_in(nodes_[p], plugged);
     power_up(p);
   }
+}
+
+// Somebody gives a controller the number of another one.
+void VirtualSkin::number_boards() {
+  while (!numberings_.empty() && now_us_ >= numberings_.back().from_us) {
+    const Fault f = numberings_.back();
+    numberings_.pop_back();
+    Node& node = nodes_.at(static_cast<std::size_t>(f.patch));
+    if (node.controller == nullptr) continue;
+    run_controller(node);
+    const auto number = static_cast<std::uint8_t>(design::node_address_of(scene_.design, f.other_patch).value());
+    for (const wire::CanFrame& frame : wire::encode_assignment(node.board.unique_id, number))
+      node.controller->receive(frame);
+    node.run_again_us = now_us_;
+  }
+}
+
+// A controller with firmware of another release greets with another wire version; nothing else of it is simulated. The
+// answer to the greeting begins with 62 FD 00 behind the two bytes of its transport.
+wire::CanFrame VirtualSkin::of_its_firmware(wire::CanFrame frame, layout::PatchIndex patch) const {
+  for (const Fault& f : scene_.faults) {
+    if (f.kind != FaultKind::kOtherFirmware || f.patch != patch || !is_present(f, now_us_)) continue;
+    constexpr std::array<std::uint8_t, 3> kGreeting{0x62, 0xFD, 0x00};
+    if (frame.size < 7 || !std::equal(kGreeting.begin(), kGreeting.end(), frame.data.begin() + 2)) continue;
+    frame.data[5] = static_cast<std::uint8_t>(f.value & 0xFF);
+    frame.data[6] = static_cast<std::uint8_t>(f.value >> 8);
+  }
+  return frame;
 }
 
 VirtualSkin::~VirtualSkin() = default;
@@ -287,6 +322,7 @@ void VirtualSkin::run_controllers() {
 std::uint64_t VirtualSkin::next_event_us() const {
   std::uint64_t next = std::min(on_wire_.empty() ? kNeverUs : wire_free_us_, switched_.next_event_us());
   if (!cable_changes_us_.empty()) next = std::min(next, cable_changes_us_.back());
+  if (!numberings_.empty()) next = std::min(next, numberings_.back().from_us);
   for (const Node& node : nodes_) {
     if (node.controller != nullptr) next = std::min(next, node.run_again_us);
   }
@@ -298,6 +334,7 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   while (true) {
     switched_.advance(now_us_);
     exchange_cables();
+    number_boards();
     run_controllers();
     const bool moved = advance_bus();
     if (frame_came_ && stop_at_frame) return true;

@@ -20,6 +20,7 @@ enum class FindingKind {
   kBackupRoute,          ///< The controller has the table that the design prepared for a failure.
   kLostSamples,          ///< Samples of the stream did not arrive.
   kCrashedController,    ///< A fault, the watchdog or the clock stopped the controller.
+  kWrongFirmware,        ///< The controller speaks another version of the protocol.
   kWrongPatch,           ///< The controller's cable leads to the modules of another patch.
 
   kAbsentModule,        ///< No chip answers at the module's place.
@@ -32,6 +33,7 @@ enum class FindingKind {
   kIntermittentModule,  ///< The module answers now but did not for some time.
   kSaturatedTaxel,      ///< The taxel reads an end of its range.
   kFrozenTaxel,         ///< The taxel always reads the same value.
+  kDriftingChip,        ///< All taxels of the module drift while those of others rest.
   kStaleRest,           ///< Taxels no longer rest where they did at the last tare.
   kNoTouchResponse,     ///< No taxel changes when the module is pressed.
   kTouchedOtherModule,  ///< Another module answers when this one is pressed.
@@ -40,7 +42,7 @@ enum class FindingKind {
   kMirroredPatch,       ///< A patch is mounted mirrored or turned.
   kSwappedLines,        ///< Two lines of a patch are exchanged at its cable.
   kLooseJoint,          ///< All modules behind a joint or cable disappeared at the same time.
-  kSaggingSupply,       ///< All modules behind a joint or cable lost their configuration.
+  kSaggingSupply,       ///< Modules at the ends of a tree lost their configuration or are silent together.
 
   kMissingModule,  ///< A module of the design was not found.
   kExtraModule,    ///< A module was found that fits nowhere in the design.
@@ -53,7 +55,7 @@ enum class FindingKind {
 };
 
 /// Reports and --json use these names.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 36>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 38>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
@@ -62,6 +64,7 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kBackupRoute, "backup_route"},
     {FindingKind::kLostSamples, "lost_samples"},
     {FindingKind::kCrashedController, "crashed_controller"},
+    {FindingKind::kWrongFirmware, "wrong_firmware"},
     {FindingKind::kWrongPatch, "wrong_patch"},
     {FindingKind::kAbsentModule, "absent_module"},
     {FindingKind::kWrongAddress, "wrong_address"},
@@ -73,6 +76,7 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kIntermittentModule, "intermittent_module"},
     {FindingKind::kSaturatedTaxel, "saturated_taxel"},
     {FindingKind::kFrozenTaxel, "frozen_taxel"},
+    {FindingKind::kDriftingChip, "drifting_chip"},
     {FindingKind::kStaleRest, "stale_rest"},
     {FindingKind::kNoTouchResponse, "no_touch_response"},
     {FindingKind::kTouchedOtherModule, "touched_other_module"},

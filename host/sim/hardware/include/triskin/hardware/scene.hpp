@@ -57,6 +57,11 @@ enum class FaultKind {
   kFrozenTaxel,        ///< The keys are `module` and `taxel`.
   kFingerElsewhere,    ///< The keys are `module` and `other`: a finger meant for the first lands on the other.
   kRotatedModule,      ///< The keys are `module` and `value`: the module is turned by 120° once or twice.
+  kOpenLine,           ///< The keys are `module` and `line`, whose wires are open at the module's joint to its parent.
+  kLoosePlug,          ///< The key is `module`: it and all behind it have no wires, and no supply.
+  kDriftingChip,       ///< The keys are `module` and `value`: all its taxels gain so many counts a second.
+  kOtherFirmware,      ///< The keys are `patch` and `value`: its controller speaks this wire version.
+  kSameNumber,         ///< The keys are `patch` and `other`: its controller gets the node address of the other one.
   kDeadModule,      ///< The key is `module`, whose logic has no power; this kind and those below need switched modules.
   kHeldLine,        ///< The keys are `module` and `line`, which the module holds low while its ports are closed.
   kStuckBit,        ///< The keys are `module`, `bit` and `value` of the register's outputs.
@@ -67,7 +72,7 @@ enum class FaultKind {
   kSwappedPatches,  ///< The keys are `patch` and `other`: each controller is plugged into the other's patch.
 };
 /// Scene files use these names (docs/scene.md).
-inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
+inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 23>{{
     {FaultKind::kRemovedChip, "removed_chip"},
     {FaultKind::kMovedChip, "moved_chip"},
     {FaultKind::kSwappedChips, "swapped_chips"},
@@ -78,6 +83,11 @@ inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::
     {FaultKind::kFrozenTaxel, "frozen_taxel"},
     {FaultKind::kFingerElsewhere, "finger_elsewhere"},
     {FaultKind::kRotatedModule, "rotated_module"},
+    {FaultKind::kOpenLine, "open_line"},
+    {FaultKind::kLoosePlug, "loose_plug"},
+    {FaultKind::kDriftingChip, "drifting_chip"},
+    {FaultKind::kOtherFirmware, "other_firmware"},
+    {FaultKind::kSameNumber, "same_number"},
     {FaultKind::kDeadModule, "dead_module"},
     {FaultKind::kHeldLine, "held_line"},
     {FaultKind::kStuckBit, "stuck_bit"},
@@ -92,7 +102,7 @@ struct Fault {
   FaultKind kind = FaultKind::kRemovedChip;
   layout::ModuleId module = layout::ModuleId::none(), other = layout::ModuleId::none();
   layout::PatchIndex patch = layout::PatchIndex::none();
-  /// Scene files call this patch `other` as well; only kSwappedPatches has it.
+  /// Scene files call this patch `other` as well; only kSwappedPatches and kSameNumber have it.
   layout::PatchIndex other_patch = layout::PatchIndex::none();
   int line = -1, address = -1;
   layout::TaxelIndex taxel = layout::TaxelIndex::none();

@@ -61,6 +61,10 @@ class ModuleSkin final : public CapacitanceSource {
   void saturate(layout::TaxelIndex taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
     broken_.push_back({static_cast<std::size_t>(taxel), true, from_us, until_us});
   }
+  /// Lets all pads gain `counts_per_s` from virtual time `from_us` until `until_us`, as a drifting chip shows it.
+  void drift(double counts_per_s, std::uint64_t from_us, std::uint64_t until_us) {
+    drifts_.push_back({counts_per_s * 1e-6, from_us, until_us});
+  }
   /// Freezes taxel 0..11 at its rest value from virtual time `from_us` until `until_us`, exclusive.
   void freeze(layout::TaxelIndex taxel, std::uint64_t from_us = 0, std::uint64_t until_us = kForever) {
     broken_.push_back({static_cast<std::size_t>(taxel), false, from_us, until_us});
@@ -83,6 +87,10 @@ class ModuleSkin final : public CapacitanceSource {
     bool saturated;  // False means that the taxel is frozen.
     std::uint64_t from_us, until_us;
   };
+  struct Drift {
+    double counts_per_us;
+    std::uint64_t from_us, until_us;
+  };
   struct Turn {
     std::uint64_t from_us;
     std::array<design::Vec3, layout::kTaxelsPerModule> position_mm;
@@ -100,6 +108,7 @@ class ModuleSkin final : public CapacitanceSource {
   std::uint64_t seed_;
   double noise_counts_;
   double drift_counts_per_us_;
+  std::vector<Drift> drifts_;
   std::shared_ptr<const PadEffects> effects_;  // Null means that no effect acts on samples.
 };
 

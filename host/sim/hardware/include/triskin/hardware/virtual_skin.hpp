@@ -132,6 +132,8 @@ class VirtualSkin {
   void build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware);
   void plug_in(Node& node, layout::PatchIndex patch);
   void exchange_cables();
+  void number_boards();
+  [[nodiscard]] wire::CanFrame of_its_firmware(wire::CanFrame frame, layout::PatchIndex patch) const;
   [[nodiscard]] std::unique_ptr<sim::VirtualController> make_controller(std::size_t patch);
   void power_up(std::size_t patch);
   void run_controllers();
@@ -151,6 +153,7 @@ class VirtualSkin {
   std::deque<Pending> pending_;
   std::vector<Pending> on_wire_;  // The vector holds at most one frame, which occupies the bus until wire_free_us_.
   std::uint64_t wire_free_us_ = 0;
+  std::vector<Fault> numberings_;                // Only future ones are listed, the latest first.
   std::vector<std::uint64_t> cable_changes_us_;  // Only future times are listed, the latest first.
   std::uint64_t now_us_ = 0;
   std::uint64_t bus_frames_ = 0;
