@@ -19,8 +19,8 @@ constexpr std::array kRules{
          "patch {patch}: no controller answers at node address {node}", "check its power and its cable to the bus"},
     Rule{S::kSharedNode, K::kDuplicateController, W::kCable,
          "patch {patch}: {controllers} node address {node}: {serials}{without}",
-         "take off the controller that does not belong to this skin; if both do, triskin flash gives each its own "
-         "address"},
+         "take off the controller that does not belong to this skin; if both do, give each its own address: triskin "
+         "flash --assign PATCH=SERIAL"},
     Rule{S::kNoTable, K::kNotFlashed, W::kFlash, "{patches}: no controller has {tables}; {controllers}",
          "run triskin flash with this design and link"},
     Rule{S::kNoTableAndSilent, K::kNotFlashed, W::kFlash,
