@@ -10,7 +10,7 @@ int main(int argc, char** argv) try {
   if (argc != 3) return 2;
   triskin::pipeline::DesignOptions options;
   options.time_limit_s = 5.0;
-  const triskin::design::Design design = triskin::pipeline::make_design(argv[1], options);
+  const triskin::design::Design design = triskin::pipeline::make_design(argv[1], options).design;
   triskin::design::write_design(argv[2], design);
   const auto wiring = triskin::design::wiring_of(design);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {

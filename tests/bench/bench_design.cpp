@@ -26,9 +26,8 @@ constexpr std::array kCases{Case{{0.0, 0}, true}, Case{{500.0, 20'000}, false}, 
 nlohmann::json row_of(const mesh::ShapeInfo& shape, const fs::path& folder, const fs::path& mesh, double limit_s) {
   pipeline::DesignOptions options;
   options.time_limit_s = limit_s;
-  pipeline::DesignNotes notes;
   const auto start = std::chrono::steady_clock::now();
-  const design::Design design = pipeline::make_design(mesh, options, {}, &notes);
+  const auto [design, notes] = pipeline::make_design(mesh, options);
   design::write_design(folder / "design.json", design);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {{"series", "time_limit"},

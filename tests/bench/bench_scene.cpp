@@ -57,7 +57,7 @@ design::Design forearm() {
   pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 300.0;
-  return pipeline::make_design(file, options);
+  return pipeline::make_design(file, options).design;
 }
 
 // A finger of 6 mm slides along the cover all the time.

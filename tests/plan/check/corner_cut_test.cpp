@@ -46,7 +46,7 @@ class CutDesign : public testing::Test {
     options.iterations = 60;
     options.time_limit_s = 60.0;
     options.corner_cut_mm = 3.0;
-    design_ = new design::Design(pipeline::make_design(folder_ / "plate.obj", options));
+    design_ = new design::Design(pipeline::make_design(folder_ / "plate.obj", options).design);
     design::write_design(folder_ / "good.json", *design_);
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }

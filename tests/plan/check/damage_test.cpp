@@ -41,7 +41,7 @@ class Damage : public testing::Test {
     pipeline::DesignOptions options;
     options.iterations = 40;
     options.time_limit_s = 60.0;
-    design::write_design(folder_ / "good.json", pipeline::make_design(folder_ / "pipe.obj", options));
+    design::write_design(folder_ / "good.json", pipeline::make_design(folder_ / "pipe.obj", options).design);
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }
   static void TearDownTestSuite() {

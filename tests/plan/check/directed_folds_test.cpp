@@ -37,7 +37,7 @@ class DirectedFolds : public testing::TestWithParam<pipeline::SearchMethod> {
     options.iterations = 60;
     options.time_limit_s = 60.0;
     options.limits = limits;
-    const design::Design design = pipeline::make_design(folder_ / "part.obj", options);
+    const design::Design design = pipeline::make_design(folder_ / "part.obj", options).design;
     design::write_design(folder_ / "part.json", design);
     const auto text = nlohmann::json::parse(read_file(folder_ / "part.json"));
     EXPECT_THAT(broken_rules(text, folder_ / "checked.json"), testing::IsEmpty());

@@ -36,7 +36,7 @@ class FlatFaces : public testing::Test {
       pipeline::DesignOptions options;
       options.iterations = 20;
       options.time_limit_s = 4.0;
-      const design::Design design = pipeline::make_design(folder_ / "part.obj", options);
+      const design::Design design = pipeline::make_design(folder_ / "part.obj", options).design;
       EXPECT_GE(design.layout.modules.size(), least) << "pose " << pose;
       design::write_design(folder_ / "part.json", design);
       const DesignReport report = check_design(folder_ / "part.json");

@@ -82,7 +82,7 @@ class PosedCheck {
     pipeline::DesignOptions options;
     options.iterations = 3;
     options.time_limit_s = 60.0;
-    const design::Design design = pipeline::make_design(folder_ / "part.obj", options);
+    const design::Design design = pipeline::make_design(folder_ / "part.obj", options).design;
     EXPECT_GE(design.layout.modules.size(), 4U);
     const fs::path file = folder_ / "part.json";
     design::write_design(file, design);

@@ -53,7 +53,7 @@ class Lift : public testing::Test {
     options.time_limit_s = 60.0;
     options.limits.lift_mm = lift_mm;
     options.limits.depth_mm = depth_mm;
-    const design::Design d = pipeline::make_design(folder_ / "sheet.obj", options);
+    const design::Design d = pipeline::make_design(folder_ / "sheet.obj", options).design;
     design::write_design(folder_ / "design.json", d);
     return json::parse(read_file(folder_ / "design.json"));
   }

@@ -71,7 +71,7 @@ class ObstacleDesign : public testing::Test {
     options.iterations = 60;
     options.time_limit_s = 60.0;
     options.regions = design::read_region_file(folder_ / "regions.json");
-    const design::Design d = pipeline::make_design(folder_ / "plate.obj", options);
+    const design::Design d = pipeline::make_design(folder_ / "plate.obj", options).design;
     design::write_design(folder_ / "design.json", d);
     return design::read_design(folder_ / "design.json");
   }

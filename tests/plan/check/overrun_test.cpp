@@ -49,7 +49,7 @@ TEST_P(Overrun, solver_and_checker_agree_on_moved_modules) {
   pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 60.0;
-  const design::Design made = pipeline::make_design(mesh->path(), options);
+  const design::Design made = pipeline::make_design(mesh->path(), options).design;
   const mesh::Surface surface(made.surface);
   const fs::path file = fs::temp_directory_path() / ("overrun_test." + std::to_string(::getpid()) + ".json");
   constexpr std::uint64_t kSeed = 3;

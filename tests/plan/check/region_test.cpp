@@ -66,7 +66,7 @@ class RegionDesign : public testing::Test {
     options.iterations = iterations;
     options.time_limit_s = 60.0;
     if (!regions.empty()) options.regions = design::read_region_file(folder_ / "regions.json");
-    design::Design d = pipeline::make_design(folder_ / "plate.obj", options);
+    design::Design d = pipeline::make_design(folder_ / "plate.obj", options).design;
     design::write_design(folder_ / "design.json", d);
     return d;
   }

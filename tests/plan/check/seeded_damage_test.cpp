@@ -31,7 +31,7 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
   pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 60.0;
-  const design::Design design = pipeline::make_design(mesh->path(), options);
+  const design::Design design = pipeline::make_design(mesh->path(), options).design;
   const fs::path file =
       fs::temp_directory_path() / ("seeded_damage." + part + "." + std::to_string(::getpid()) + ".json");
   design::write_design(file, design);

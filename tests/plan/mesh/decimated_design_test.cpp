@@ -55,8 +55,7 @@ TEST(DesignOfADenseMesh, is_measured_and_checked_on_all_faces) {
   logo.region.shape = middle;
   logo.region.free = true;
   options.regions->regions.push_back(logo);
-  DesignNotes notes;
-  const design::Design d = make_design(files.folder / "roof.obj", options, {}, &notes);
+  const auto [d, notes] = make_design(files.folder / "roof.obj", options);
   EXPECT_LT(notes.solver_faces, 2'000);
   EXPECT_GT(notes.solver_deviation_mm, 0.0);
   EXPECT_LE(notes.solver_deviation_mm, 0.05);
@@ -75,8 +74,7 @@ TEST(DesignOfADenseMesh, is_searched_on_all_faces_when_asked) {
   DesignOptions options = quick();
   options.iterations = 1;
   options.solver_deviation_mm = 0.0;
-  DesignNotes notes;
-  const design::Design d = make_design(files.folder / "roof.obj", options, {}, &notes);
+  const auto [d, notes] = make_design(files.folder / "roof.obj", options);
   EXPECT_EQ(notes.solver_faces, 24'000);
   EXPECT_EQ(notes.solver_deviation_mm, 0.0);
   EXPECT_FALSE(d.pieces.empty());
@@ -87,7 +85,7 @@ TEST(DesignOfADenseMesh, is_grown_around_modules_that_stay) {
   mesh::write_obj(files.folder / "roof.obj", roof());
   DesignOptions options = quick();
   options.iterations = 1;
-  const design::Design d = make_design(files.folder / "roof.obj", options);
+  const design::Design d = make_design(files.folder / "roof.obj", options).design;
   ASSERT_GT(d.layout.modules.size(), 10U);
   const EditedDesign grown = grow_around(d, {2, 3, 5}, {.time_limit_s = 600.0, .iterations = 10});
   for (const int k : {2, 3, 5}) {

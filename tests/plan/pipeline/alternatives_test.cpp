@@ -57,7 +57,7 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
   DesignOptions options;
   options.iterations = 120;
   options.time_limit_s = 100.0;
-  const design::Design d = make_design(folder_ / "dome.obj", options);
+  const design::Design d = make_design(folder_ / "dome.obj", options).design;
   ASSERT_GE(d.alternatives.size(), 2U);
   for (std::size_t k = 1; k < d.alternatives.size(); ++k) {
     EXPECT_LT(d.alternatives[k].layout.modules.size(), d.alternatives[k - 1].layout.modules.size());

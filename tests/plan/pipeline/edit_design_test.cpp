@@ -198,7 +198,7 @@ Design curved(int iterations) {
   DesignOptions options;
   options.iterations = iterations;
   options.time_limit_s = 300.0;
-  return make_design(file.path(), options);
+  return make_design(file.path(), options).design;
 }
 
 TEST(EditDesign, what_is_kept_stays_and_the_value_never_falls) {
@@ -255,7 +255,7 @@ TEST_P(Covers, keep_every_rule_after_each_change) {
   DesignOptions options;
   options.iterations = 60;
   options.time_limit_s = 300.0;
-  const Design d = make_design(file->path(), options);
+  const Design d = make_design(file->path(), options).design;
   ASSERT_GT(d.layout.modules.size(), 8U);
 
   const EditedDesign fewer = edit_design(d, {{1, 4, 5}, {}});

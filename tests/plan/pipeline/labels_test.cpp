@@ -67,9 +67,9 @@ Design next_part(const Design& d, Dice& dice) {
 }
 
 EditedDesign revised(const Design& d, Dice& dice) {
-  Revision revision;
-  Design now = revise_design(d, next_part(d, dice), {300.0, 1, 1}, revision);
-  return {std::move(now), std::move(revision.new_id), std::move(revision.added), std::move(revision.new_patch)};
+  RevisedDesign now = revise_design(d, next_part(d, dice), {300.0, 1, 1});
+  Revision& revision = now.revision;
+  return {std::move(now.design), std::move(revision.new_id), std::move(revision.added), std::move(revision.new_patch)};
 }
 
 // A new module may have taken a side that a jumper needs, or stand across it; then the controller is wired anew.
@@ -133,7 +133,7 @@ TEST_P(Labels, hold_through_random_changes) {
   DesignOptions options;
   options.iterations = 1;
   options.time_limit_s = 300.0;
-  Design d = make_design(file->path(), options);
+  Design d = make_design(file->path(), options).design;
   Dice dice(60);
   Tally tally;
   while (tally.changes < kChangesPerCover) {

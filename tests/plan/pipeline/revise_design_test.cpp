@@ -52,16 +52,16 @@ Vec3 on_plate(const Vec2& place_mm) {
 }
 
 // Makes the design of a plate in a fixed number of steps, not in a time.
-Design design_of(const Vec2& hole_mm, const std::shared_ptr<const Design>& like, DesignNotes& notes) {
+DesignResult design_of(const Vec2& hole_mm, const std::shared_ptr<const Design>& like) {
   const fs::path file = fs::temp_directory_path() / ("revise." + std::to_string(::getpid()) + ".obj");
   mesh::write_obj(file, plate_with_hole(hole_mm));
   DesignOptions options;
   options.iterations = 2000;
   options.time_limit_s = 60.0;
   options.like = like;
-  Design d = make_design(file, options, {}, &notes);
+  DesignResult made = make_design(file, options);
   fs::remove(file);
-  return d;
+  return made;
 }
 
 std::vector<std::string> broken_by(const Design& d) {
@@ -90,10 +90,9 @@ struct RevisedPlate {
 };
 const RevisedPlate& revised_plate() {
   static const RevisedPlate kPlate = [] {
-    DesignNotes first, second;
-    auto old = std::make_shared<const Design>(design_of({100, 120}, nullptr, first));
-    Design now = design_of({250, 120}, old, second);
-    return RevisedPlate{old, std::move(now), second.revision.value()};
+    auto old = std::make_shared<const Design>(design_of({100, 120}, nullptr).design);
+    DesignResult now = design_of({250, 120}, old);
+    return RevisedPlate{old, std::move(now.design), now.notes.revision.value()};
   }();
   return kPlate;
 }
@@ -150,8 +149,7 @@ TEST(ReviseDesign, TablesOfUntouchedControllersStayWordByWord) {
 
 TEST(ReviseDesign, AnUnchangedPartKeepsAll) {
   const auto& [old, now, revision] = revised_plate();
-  DesignNotes notes;
-  const Design again = design_of({100, 120}, old, notes);
+  const auto [again, notes] = design_of({100, 120}, old);
   EXPECT_EQ(std::ranges::count(notes.revision->new_id, -1), 0);
   EXPECT_EQ(std::ranges::count(notes.revision->new_patch, -1), 0);
   EXPECT_GE(again.layout.modules.size(), old->layout.modules.size());

@@ -114,7 +114,7 @@ TEST(BendLimits, hold_for_the_modules_of_a_design) {
   options.threads = 1;
   const auto deepest = [&](double radius_mm) {
     options.bend_radius_mm = radius_mm;
-    const design::Design d = pipeline::make_design(folder / "tube.obj", options);
+    const design::Design d = pipeline::make_design(folder / "tube.obj", options).design;
     EXPECT_FALSE(d.layout.modules.empty());
     double depth_mm = 0.0;
     for (const auto& m : d.layout.modules) depth_mm = std::max({depth_mm, m.edge_depth_mm, m.edge_lift_mm});

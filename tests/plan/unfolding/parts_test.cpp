@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 // Expects the checker to accept the design of the cover, and reading it back to give the same design.
 design::Design accepted_design(const std::string& name, const fs::path& mesh, const pipeline::DesignOptions& options) {
-  design::Design design = pipeline::make_design(mesh, options);
+  design::Design design = pipeline::make_design(mesh, options).design;
   const fs::path file = fs::temp_directory_path() / ("parts_test." + name + "." + std::to_string(::getpid()) + ".json");
   design::write_design(file, design);
   EXPECT_EQ(design::read_design(file).design_id, design.design_id);
@@ -71,7 +71,7 @@ void expect_design_or_clear_error(const std::string& name, const fs::path& mesh)
   try {
     pipeline::DesignOptions options;
     options.time_limit_s = 5.0;
-    EXPECT_GT(pipeline::make_design(mesh, options).layout.modules.size(), 0U);
+    EXPECT_GT(pipeline::make_design(mesh, options).design.layout.modules.size(), 0U);
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
     EXPECT_NE(std::string(e.what()).find("mm"), std::string::npos) << "the place is missing: " << e.what();
@@ -95,8 +95,8 @@ TEST(HardMeshes, generated_shell_is_repaired_or_refused_as_asked) {
   options.repair = pipeline::RepairMode::kNever;
   EXPECT_THROW((void)pipeline::make_design(mesh->path(), options), InputError);
   options.repair = pipeline::RepairMode::kAuto;
-  pipeline::DesignNotes notes;
-  EXPECT_GT(pipeline::make_design(mesh->path(), options, {}, &notes).layout.modules.size(), 0U);
+  const auto [design, notes] = pipeline::make_design(mesh->path(), options);
+  EXPECT_GT(design.layout.modules.size(), 0U);
   EXPECT_GT(notes.extract.deviation.largest_mm, 0.0);
 }
 

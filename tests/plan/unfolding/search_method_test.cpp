@@ -48,9 +48,7 @@ class SearchMethodTest : public testing::Test {
     options.iterations = 1;
     options.time_limit_s = 600.0;
     options.threads = 1;
-    DesignNotes notes;
-    (void)make_design(folder_ / "part.obj", options, {}, &notes);
-    return notes;
+    return make_design(folder_ / "part.obj", options).notes;
   }
 
   static std::vector<std::string> names(const DesignNotes& notes) {

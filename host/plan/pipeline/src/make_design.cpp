@@ -61,13 +61,13 @@ DesignInWork begun(const std::filesystem::path& mesh, const DesignOptions& given
 
 // An older version of the part gives the places of its modules; only the rest of the surface is searched.
 void revise(DesignInWork& work) {
-  Revision revision;
-  work.budget.run("revising", 1.0, [&](double end_s) {
+  RevisedDesign revised = work.budget.run("revising", 1.0, [&](double end_s) {
     const double left_s = std::max(0.1, end_s - work.budget.used_s());
-    work.design = revise_design(*work.options.like, std::move(work.design),
-                                {left_s, work.options.iterations, work.options.threads}, revision, work.progress);
+    return revise_design(*work.options.like, std::move(work.design),
+                         {left_s, work.options.iterations, work.options.threads}, work.progress);
   });
-  work.notes.revision = std::move(revision);
+  work.design = std::move(revised.design);
+  work.notes.revision = std::move(revised.revision);
 }
 
 // All layouts that were found, with their price, most valuable first.
@@ -143,16 +143,12 @@ void run_steps(DesignInWork& work) {
 
 }  // namespace
 
-design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& given, const ProgressSink& progress,
-                           DesignNotes* notes) {
+DesignResult make_design(const std::filesystem::path& mesh, const DesignOptions& given, const ProgressSink& progress) {
   DesignInWork work = begun(mesh, given, progress);
   run_steps(work);
-  if (work.notes.side.is_undecided && notes == nullptr)
-    throw InputError("both sides of the part's wall look alike; say which one is wanted (DesignOptions::side)");
   work.design.report.seconds = work.budget.used_s();
   work.notes.steps = work.budget.steps();
-  if (notes != nullptr) *notes = std::move(work.notes);
-  return std::move(work.design);
+  return {std::move(work.design), std::move(work.notes)};
 }
 
 }  // namespace triskin::pipeline

@@ -38,13 +38,14 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
 
 }  // namespace
 
-design::Design revise_design(const design::Design& old, design::Design part, const GrowAroundOptions& options,
-                             Revision& revision, const ProgressSink& progress) {
+RevisedDesign revise_design(const design::Design& old, design::Design part, const GrowAroundOptions& options,
+                            const ProgressSink& progress) {
   part.limits = old.limits;
   part.price = old.price;
   part.seed = old.seed;
   part.kinds = old.kinds;
-  revision = {take_over(old, part), {}, {}};
+  Revision revision;
+  revision.new_id = take_over(old, part);
   std::vector<int> all(part.layout.modules.size());
   std::iota(all.begin(), all.end(), 0);
   EditedDesign grown = grow_around(part, all, options, progress);
@@ -57,7 +58,7 @@ design::Design revise_design(const design::Design& old, design::Design part, con
   const mesh::Surface surface(d.surface);
   revision.new_patch = wire_around(old, d, surface, regions_of(surface, d).get(), revision.new_id, progress);
   d.report.seconds = seconds;
-  return std::move(d);
+  return {std::move(grown.design), std::move(revision)};
 }
 
 }  // namespace triskin::pipeline

@@ -231,8 +231,7 @@ int run(Options options, Output& output) {
   if (options.mesh.ends_with(".json"))
     throw InputError(fmt::format("{}: a design, not a mesh; triskin edit changes a design", options.mesh));
   read_files(options);
-  pipeline::DesignNotes notes;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  const auto [d, notes] = pipeline::make_design(options.mesh, options.design, output.progress());
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
   const bool nothing = d.layout.modules.empty();
   if (!nothing) design::write_design(options.output, d);

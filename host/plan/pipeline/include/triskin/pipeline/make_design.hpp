@@ -84,6 +84,11 @@ struct DesignNotes {
   std::optional<Revision> revision;  ///< Only DesignOptions::like fills this.
 };
 
+struct DesignResult {
+  design::Design design;
+  DesignNotes notes;
+};
+
 /// Returns the design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and
 /// wired anew, without a search. Alternatives stay. Errors: InputError naming the range for an index that does not
 /// exist. Deterministic for the seed of the design. Cost: about 0.5 s for 150 modules.
@@ -93,11 +98,11 @@ struct DesignNotes {
 /// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
 /// jumpers, controllers and wiring. Of the layouts on pieces and the lattice grown on the surface it takes the one of
 /// higher value, worth of the modules less price. All reported values are measured on the surface, even if the search
-/// had a mesh of its own; then the design has no `pieces`, which are made of faces of the surface. Fills `notes` when
-/// it is given. If both sides of a part look alike (DesignNotes::side) the design has no modules. Errors: InputError
+/// had a mesh of its own; then the design has no `pieces`, which are made of faces of the surface. If both sides of a
+/// part look alike (DesignNotes::side) the design has no modules. Errors: InputError
 /// for unusable meshes and options out of range. Deterministic for seed, threads and iterations unless the time limit
 /// cuts a search short. Cost: about time_limit_s, or less if `iterations` ends the growth sooner.
-[[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                                         const ProgressSink& progress = {}, DesignNotes* notes = nullptr);
+[[nodiscard]] DesignResult make_design(const std::filesystem::path& mesh, const DesignOptions& options,
+                                       const ProgressSink& progress = {});
 
 }  // namespace triskin::pipeline

@@ -17,13 +17,17 @@ struct Revision {
   std::vector<int> new_patch;
 };
 
+struct RevisedDesign {
+  design::Design design;
+  Revision revision;
+};
+
 /// Makes a design on the surface of `part`, which has no modules yet, with the modules of `old` wherever they keep the
 /// limits on that surface; the rest is searched as grow_around() does. A patch keeps its wiring and index if all of its
 /// modules stay and their joints are as they were; the rest is wired around it. Both parts must be in one frame.
 /// Limits, price, seed, corner cut and kinds are those of `old`. Errors: InputError for options out of range.
 /// Deterministic as grow_around(). Cost: options.time_limit_s and some seconds.
-[[nodiscard]] design::Design revise_design(const design::Design& old, design::Design part,
-                                           const GrowAroundOptions& options, Revision& revision,
-                                           const ProgressSink& progress = {});
+[[nodiscard]] RevisedDesign revise_design(const design::Design& old, design::Design part,
+                                          const GrowAroundOptions& options, const ProgressSink& progress = {});
 
 }  // namespace triskin::pipeline
