@@ -67,7 +67,7 @@ class BranchAndBound {
     }
     for (const auto& [bound, cells] : open_) {
       for (const Cell& cell : cells) {
-        if (!cell.list) result_.tied_slices.push_back(cell.box);
+        if (cell.is_slice()) result_.tied_slices.push_back(cell.box);
       }
     }
     return std::move(result_);
@@ -96,6 +96,7 @@ class BranchAndBound {
 
   // The list may be shared by two cells and is then counted twice.
   static double bytes_of(const Cell& cell) {
+    if (cell.packed) return static_cast<double>(sizeof(Cell) + cell.packed->bytes());
     if (!cell.list) return sizeof(Cell);
     return static_cast<double>(sizeof(Cell) + sizeof(CellList) + cell.list->tiles.capacity() * sizeof(OpenTile) +
                                cell.list->pairs.capacity() * sizeof(Pair));
@@ -104,11 +105,15 @@ class BranchAndBound {
   void push(Cell cell) {
     cell.bound = std::min(cell.bound, area_bound_);
     if (cell.bound > result_.best) {
+      if (cell.list && open_bytes_ > goal_.unpacked_bytes) {
+        cell.packed.emplace(*cell.list);
+        cell.list.reset();
+      }
       ++open_cells_;
       open_bytes_ += bytes_of(cell);
       return open_[cell.bound].push_back(std::move(cell));
     }
-    if (!cell.list) tied_slices_.emplace_back(cell.bound, cell.box);
+    if (cell.is_slice()) tied_slices_.emplace_back(cell.bound, cell.box);
     close(cell.box);
   }
 
@@ -125,7 +130,7 @@ class BranchAndBound {
   }
 
   [[nodiscard]] const Cell& next() const { return open_.begin()->second.back(); }
-  [[nodiscard]] static bool bounded(const Cell& cell) { return cell.list || cell.promising; }
+  [[nodiscard]] static bool bounded(const Cell& cell) { return !cell.is_slice() || cell.promising; }
 
   // Takes the highest bounds, the last one first among equals. Slices without a bound come first and alone: the value
   // to beat is sought when all have one.
@@ -137,7 +142,14 @@ class BranchAndBound {
       const auto bucket = open_.begin();
       --open_cells_;
       open_bytes_ -= bytes_of(bucket->second.back());
-      batch_.push_back(std::move(bucket->second.back()));
+      Cell& cell = batch_.emplace_back(std::move(bucket->second.back()));
+      if (cell.packed) {
+        cell.list = cell.packed->unpacked(grid_);
+        cell.packed.reset();
+        cell.reach_mm =
+            slice_child_reach_mm(polygon_, grid_, cell.box,
+                                 demand_.rising ? demand_.last_inset_mm : demand_.inset_mm - demand_.tolerance_mm);
+      }
       bucket->second.pop_back();
       if (bucket->second.empty()) open_.erase(bucket);
     }

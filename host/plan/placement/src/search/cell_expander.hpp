@@ -27,6 +27,8 @@ struct Cell {
   std::optional<Motion> promising = std::nullopt;
   /// In this many generations no contradictions are looked for, because there were few in a cell around this one.
   int without_conflicts = 0;
+  std::optional<PackedTiles> packed = std::nullopt;  ///< Replaces the list while the cell waits, to save memory.
+  [[nodiscard]] bool is_slice() const { return !list && !packed; }
 };
 
 /// States the separation that a tile must keep. It counts for a value from inset − tolerance on; for the bound from

@@ -20,6 +20,22 @@ void CellList::add(const CellList& from, std::size_t number) {
   tiles.push_back(tile);
 }
 
+PackedTiles::PackedTiles(const CellList& list) {
+  tiles_.reserve(list.tiles.size());
+  for (const OpenTile& t : list.tiles)
+    tiles_.push_back({t.tile.i, 4 * t.tile.j + (t.tile.up ? 2 : 0) + (t.inside ? 1 : 0)});
+}
+
+std::shared_ptr<const CellList> PackedTiles::unpacked(const TileGrid& grid) const {
+  auto list = std::make_shared<CellList>();
+  list->tiles.reserve(tiles_.size());
+  for (const PackedTile& t : tiles_) {
+    const Tile tile{t.i, t.row >> 2, (t.row & 2) != 0};
+    list->tiles.push_back({grid.center(tile), tile, (t.row & 1) != 0, 0, 0});
+  }
+  return list;
+}
+
 bool CellFilter::center_inside(const CellFrame& f, const Vec2& center) const {
   const double x = center.x() - f.center[0], y = center.y() - f.center[1];
   return polygon_.contains({f.cosine * x + f.sine * y, -f.sine * x + f.cosine * y});

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kernels/pair_kernel.hpp"
@@ -18,6 +20,21 @@ struct CellList {
   }
   /// Appends a tile of another list with its edges.
   void add(const CellList& from, std::size_t number);
+};
+
+/// The tiles of a list in a seventh of its memory: edges are looked up and centres computed anew when the cell is
+/// opened.
+class PackedTiles {
+ public:
+  explicit PackedTiles(const CellList& list);
+  [[nodiscard]] std::shared_ptr<const CellList> unpacked(const TileGrid& grid) const;
+  [[nodiscard]] std::size_t bytes() const { return tiles_.capacity() * sizeof(PackedTile); }
+
+ private:
+  struct PackedTile {
+    std::int32_t i, row;  // The row is 4 j + 2 (up) + 1 (inside): a polygon has fewer than 10⁵ rows.
+  };
+  std::vector<PackedTile> tiles_;
 };
 
 /// Gives each open tile a box of offsets from the cell's centre, per axis, outside which it cannot hold.
