@@ -6,6 +6,7 @@
 #include <set>
 
 #include "checked_design.hpp"
+#include "flat_edges.hpp"
 
 namespace triskin::check {
 namespace {
@@ -57,17 +58,10 @@ void check_scale(const CheckedDesign& d, std::size_t k, Findings& f) {
   }
 }
 
-struct Edge {
-  P2 a, b;
-};
-
-std::vector<Edge> edges_of(const CheckedDesign::Piece& p) {
-  std::vector<Edge> edges;
-  const auto add = [&](const std::vector<P2>& ring) {
-    for (std::size_t k = 0; k < ring.size(); ++k) edges.push_back({ring[k], ring[(k + 1) % ring.size()]});
-  };
-  add(p.outline);
-  for (const auto& hole : p.holes) add(hole);
+std::vector<FlatEdge> edges_of(const CheckedDesign::Piece& p) {
+  std::vector<FlatEdge> edges;
+  add_ring(p.outline, edges);
+  for (const auto& hole : p.holes) add_ring(hole, edges);
   return edges;
 }
 
@@ -75,10 +69,7 @@ void check_simple(const CheckedDesign::Piece& p, std::size_t k, Findings& f) {
   const auto edges = edges_of(p);
   for (std::size_t a = 0; a < edges.size(); ++a) {
     for (std::size_t b = a + 1; b < edges.size(); ++b) {
-      const Point p1 = pt(edges[a].a), p2 = pt(edges[a].b), q1 = pt(edges[b].a), q2 = pt(edges[b].b);
-      const int s1 = CGAL::orientation(p1, p2, q1), s2 = CGAL::orientation(p1, p2, q2),
-                s3 = CGAL::orientation(q1, q2, p1), s4 = CGAL::orientation(q1, q2, p2);
-      if (s1 * s2 < 0 && s3 * s4 < 0) f.broken("piece-simple", piece_name(k), "its outline crosses itself");
+      if (do_cross(edges[a], edges[b])) f.broken("piece-simple", piece_name(k), "its outline crosses itself");
     }
   }
 }
@@ -108,53 +99,27 @@ bool is_as_wide_as_its_faces(const CheckedDesign& d, const CheckedDesign::Piece&
     length += longest;
   }
   Eigen::AlignedBox2d box;
-  for (const Edge& e : edges_of(p)) box.extend(e.a);
+  for (const FlatEdge& e : edges_of(p)) box.extend(e.a);
   constexpr double kStretch = 1.5;  // No limit allows an edge error anywhere near this.
   return !(box.diagonal().norm() > kStretch * length);
 }
 
-std::vector<Edge> moved_edges_of(const CheckedDesign::Piece& p) {
+std::vector<FlatEdge> moved_edges_of(const CheckedDesign::Piece& p) {
   const double c = std::cos(p.theta), s = std::sin(p.theta);
-  std::vector<Edge> edges = edges_of(p);
-  for (Edge& e : edges) {
+  std::vector<FlatEdge> edges = edges_of(p);
+  for (FlatEdge& e : edges) {
     for (P2* q : {&e.a, &e.b}) *q = P2(c * q->x() - s * q->y() + p.x, s * q->x() + c * q->y() + p.y);
   }
   return edges;
-}
-
-bool is_inside(const P2& q, const std::vector<Edge>& edges) {
-  bool in = false;
-  for (const Edge& e : edges) {
-    if ((e.a.y() > q.y()) != (e.b.y() > q.y()) &&
-        (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y()))
-      in = !in;
-  }
-  return in;
-}
-
-// Returns true if the edge does not enter the interior of the convex polygon `t`.
-bool is_free_of(const std::vector<P2>& t, const Edge& e) {
-  int left = 0, right = 0;
-  for (const P2& q : t) {
-    const int o = CGAL::orientation(pt(e.a), pt(e.b), pt(q));
-    left += o > 0 ? 1 : 0;
-    right += o < 0 ? 1 : 0;
-  }
-  if (left == 0 || right == 0) return true;
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    const Point from = pt(t[k]), to = pt(t[(k + 1) % t.size()]);
-    if (CGAL::orientation(from, to, pt(e.a)) <= 0 && CGAL::orientation(from, to, pt(e.b)) <= 0) return true;
-  }
-  return false;
 }
 
 // Counts the tiles of the grid inside the moved outline one by one: no edge may enter a tile's interior, and its centre
 // must lie inside.
 int tiles_inside(const CheckedDesign::Piece& p, double cut) {
   const double h = kSide * std::sqrt(3.0) / 2;
-  const std::vector<Edge> edges = moved_edges_of(p);
+  const std::vector<FlatEdge> edges = moved_edges_of(p);
   Eigen::AlignedBox2d box;
-  for (const Edge& e : edges) box.extend(e.a);
+  for (const FlatEdge& e : edges) box.extend(e.a);
   int count = 0;
   for (int j = static_cast<int>(std::floor(box.min().y() / h)); j * h < box.max().y(); ++j) {
     const int first = static_cast<int>(std::floor(box.min().x() / kSide - 0.5 * j)) - 2;
@@ -168,7 +133,7 @@ int tiles_inside(const CheckedDesign::Piece& p, double cut) {
         // Allows for the tolerance of the placement and for rounding.
         for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);
         const bool is_free =
-            is_inside(middle, edges) && std::ranges::all_of(edges, [&](const Edge& e) { return is_free_of(t, e); });
+            is_inside(middle, edges) && std::ranges::all_of(edges, [&](const FlatEdge& e) { return is_free_of(t, e); });
         count += is_free ? 1 : 0;
       }
     }

@@ -81,7 +81,7 @@ std::vector<WiredLayout> search_layouts(DesignInWork& work, const mesh::Surface&
   std::vector<WiredLayout> choices;
   if (are_pieces_tried(work, searched.surface())) {
     work.budget.run("pieces", kPiecesShare,
-                    [&](double end_s) { choices.push_back(layout_on_pieces(work, searched, regions, end_s)); });
+                    [&](double end_s) { choices = layouts_on_pieces(work, searched, regions, end_s); });
   }
   std::vector<design::ModuleLayout> grown =
       work.budget.run("growth", 1.0, [&](double end_s) { return grown_layouts(work, searched, regions, end_s); });

@@ -8,6 +8,7 @@
 
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/map_modules.hpp"
+#include "triskin/placement/lattices.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
 #include "triskin/unfolding/bend_seams.hpp"
@@ -21,8 +22,9 @@ namespace {
 // Pieces won on plates, and on caps of spheres up to 0.0003 rad under a module; from 0.0008 rad on the growth had more
 // modules (docs/measurements/unfolding.md). The limit leaves room for the tessellation of developable faces.
 constexpr double kMaxCurvature_rad = 0.002;
-// Unfolding ends after the first share of this step's time, and placing after the second.
-constexpr double kUnfoldingEnd = 0.4, kPlacingEnd = 0.7;
+// Unfolding ends after the first share of this step's time, placing after the second, and the search for several
+// lattices after the third.
+constexpr double kUnfoldingEnd = 0.4, kPlacingEnd = 0.6, kLatticesEnd = 0.8;
 // Each piece gets at least this time, or this share of a short limit.
 constexpr double kMinPiece_s = 0.1, kMinPieceShare = 0.005;
 
@@ -69,6 +71,28 @@ std::vector<lattice::TiledPiece> place_pieces(DesignInWork& work, const unfoldin
   return placed;
 }
 
+// Several lattices on each piece, which begin with its best single one. Pieces share the time by area.
+std::vector<lattice::TiledPiece> place_several(const DesignInWork& work, const std::vector<lattice::TiledPiece>& single,
+                                               double end_s) {
+  std::vector<lattice::TiledPiece> placed;
+  double area_left_mm2 = 0.0;
+  for (const lattice::TiledPiece& on : single) area_left_mm2 += placement::polygon_area(on.piece->outline);
+  for (const lattice::TiledPiece& on : single) {
+    const double area_mm2 = placement::polygon_area(on.piece->outline);
+    placement::LatticesOptions options;
+    options.seed = work.options.seed;
+    options.steps = work.options.iterations;
+    const double until_s = work.options.iterations > 0 ? work.options.time_limit_s : end_s;
+    options.time_limit_s = std::max(0.01, area_mm2 / std::max(area_left_mm2, 1.0) * (until_s - work.budget.used_s()));
+    area_left_mm2 -= area_mm2;
+    if (area_mm2 < design::kModuleArea_mm2) continue;
+    placement::FlatLayout layout =
+        placement::place_lattices(on.piece->outline, {on.placement, on.tiles}, options, work.progress);
+    for (placement::FlatLattice& l : layout.lattices) placed.push_back({on.piece, l.placement, std::move(l.tiles)});
+  }
+  return placed;
+}
+
 // The modules of the pieces keep the limits on the original.
 design::ModuleLayout mapped_layout(const DesignInWork& work, const SearchedSurface& searched,
                                    const std::vector<lattice::TiledPiece>& placed, const mesh::SurfaceRegions* regions,
@@ -91,21 +115,28 @@ bool are_pieces_tried(DesignInWork& work, const mesh::Surface& surface) {
   return work.notes.curvature_rad <= kMaxCurvature_rad;
 }
 
-WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched, const mesh::SurfaceRegions* regions,
-                             double end_s) {
+std::vector<WiredLayout> layouts_on_pieces(DesignInWork& work, const SearchedSurface& searched,
+                                           const mesh::SurfaceRegions* regions, double end_s) {
   const double begin_s = work.budget.used_s();
   const auto at_share = [&](double share) { return begin_s + share * (end_s - begin_s); };
   const unfolding::Net net = pieces_of(work, searched.surface(), at_share(kUnfoldingEnd));
-  const auto placed = place_pieces(work, net, at_share(kPlacingEnd));
-  report(work.progress, "mapping to the surface", -1.0);
-  design::ModuleLayout mapped = mapped_layout(work, searched, placed, regions, end_s);
-  // The pieces name faces of the solver's mesh, which the design does not contain.
-  if (searched.solver() != nullptr) work.design.pieces.clear();
-  work.notes.pieces = static_cast<int>(mapped.modules.size());
   routing::RoutingOptions routing = routing_options(work.design);
   routing.threads = work.options.threads;
   routing.give_up = work.deadline(end_s);
-  return priced(searched.original(), std::move(mapped), work.options.limits, routing, regions);
+  std::vector<WiredLayout> layouts;
+  const auto add = [&](const std::vector<lattice::TiledPiece>& placed) {
+    report(work.progress, "mapping to the surface", -1.0);
+    design::ModuleLayout mapped = mapped_layout(work, searched, placed, regions, end_s);
+    work.notes.pieces = std::max(work.notes.pieces, static_cast<int>(mapped.modules.size()));
+    layouts.push_back(priced(searched.original(), std::move(mapped), work.options.limits, routing, regions));
+  };
+  const std::vector<lattice::TiledPiece> single = place_pieces(work, net, at_share(kPlacingEnd));
+  add(single);
+  if (work.options.method == SearchMethod::kPieces && work.options.corner_cut_mm == 0.0)
+    add(place_several(work, single, at_share(kLatticesEnd)));
+  // The pieces name faces of the solver's mesh, which the design does not contain.
+  if (searched.solver() != nullptr) work.design.pieces.clear();
+  return layouts;
 }
 
 }  // namespace triskin::pipeline

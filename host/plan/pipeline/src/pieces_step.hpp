@@ -12,9 +12,11 @@ namespace triskin::pipeline {
 /// pieces.
 [[nodiscard]] bool are_pieces_tried(DesignInWork& work, const mesh::Surface& surface);
 
-/// Unfolds the surface, places modules on each piece, maps them back and prices the layout. Pieces that are not reached
-/// by `end_s` of the budget are left out and counted in the notes. `regions` belong to the original and may be null.
-[[nodiscard]] WiredLayout layout_on_pieces(DesignInWork& work, const SearchedSurface& searched,
-                                           const mesh::SurfaceRegions* regions, double end_s);
+/// Unfolds the surface, places modules on each piece, maps them back and prices the layout: with the best single
+/// lattice of each piece, and, where the options ask for pieces and whole modules, with several. Pieces that are not
+/// reached by `end_s` of the budget are left out and counted in the notes. `regions` belong to the original and may be
+/// null.
+[[nodiscard]] std::vector<WiredLayout> layouts_on_pieces(DesignInWork& work, const SearchedSurface& searched,
+                                                         const mesh::SurfaceRegions* regions, double end_s);
 
 }  // namespace triskin::pipeline

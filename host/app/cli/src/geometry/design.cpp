@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -231,11 +232,16 @@ int run(Options options, Output& output) {
   if (options.mesh.ends_with(".json"))
     throw InputError(fmt::format("{}: a design, not a mesh; triskin edit changes a design", options.mesh));
   read_files(options);
-  const auto [d, notes] = pipeline::make_design(options.mesh, options.design, output.progress());
+  auto [d, notes] = pipeline::make_design(options.mesh, options.design, output.progress());
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
   const bool nothing = d.layout.modules.empty();
-  if (!nothing) design::write_design(options.output, d);
+  std::optional<OutputCheck> check;
+  // The modules of an older design have numbers that must hold, so none is taken away.
+  if (!nothing)
+    check = write_checked_design(options.output, d, notes.revision ? OnViolation::kRefuse : OnViolation::kRemoveModules,
+                                 output.progress());
   output.result = keys_of(d, notes);
+  if (check) report_check(*check, output);
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   const int part_status = report_part(notes.read, output);
@@ -247,7 +253,7 @@ int run(Options options, Output& output) {
     return 1;
   }
   const bool is_covered = report_design(d, notes, options, output);
-  return is_the_part(d, notes, output) && is_covered ? part_status : 1;
+  return is_the_part(d, notes, output) && is_covered && check->keeps_all_rules() ? part_status : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {

@@ -165,6 +165,19 @@ void add_kinds(CLI::App& app, std::string& kinds) {
   app.add_option("--kinds", kinds, "file of module kinds (docs/pipeline.md); none: all are standard");
 }
 
+void report_check(const OutputCheck& check, Output& output) {
+  nlohmann::json violations = nlohmann::json::array();
+  for (const check::Violation& v : check.report.violations)
+    violations.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
+  output.result["check"] = {{"rules", check.report.rules.size()},
+                            {"violations", std::move(violations)},
+                            {"removed", check.removed.size()},
+                            {"seconds", check.seconds}};
+  if (check.removed.empty()) return;
+  output.say(fmt::format("{} left out because triskin check would reject the design: {}",
+                         counted(check.removed.size(), "module"), fmt::join(check.removed, ", ")));
+}
+
 std::size_t report_labels(const std::vector<int>& new_id, Output& output) {
   std::vector<std::string> relabelled;
   for (std::size_t id = 0; id < new_id.size(); ++id) {
@@ -299,11 +312,12 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
     design::assign_kinds(plan, e.design.layout);
     e.design.design_id = design::design_id_of(e.design);
   }
-  design::write_design(to, e.design);
+  const OutputCheck check = write_checked_design(to, e.design, OnViolation::kRefuse, output.progress());
+  report_check(check, output);
   if (!e.new_id.empty()) report_changes(e, options, output);
   const int status = report_design(e.design, output);
   output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
-  return status;
+  return check.keeps_all_rules() ? status : 1;
 }
 
 }  // namespace triskin::cli

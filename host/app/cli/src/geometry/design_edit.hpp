@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "checked_output.hpp"
 #include "command.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
@@ -30,6 +31,9 @@ void require_design_output(const std::string& path);
 /// Makes the design `to` from the design `from`. `effort` is for --keep. Returns the exit status.
 int edit(const std::string& from, const std::string& to, const EditOptions& options,
          const pipeline::DesignOptions& effort, Output& output);
+
+/// Reports what the checker found in a design that was written, and how long that took.
+void report_check(const OutputCheck& check, Output& output);
 
 /// Reports the coverage of the regions. Returns false if a must-cover place is not covered.
 bool report_regions(const design::Design& design, Output& output);

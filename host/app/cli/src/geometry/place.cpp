@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/design/tile.hpp"
+#include "triskin/placement/lattices.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
 
@@ -28,6 +30,8 @@ struct Options {
   std::string output;
   int piece = -1;  // A negative number, −1, selects all pieces of the net.
   std::vector<int> node{0, 0};
+  std::string lattices;  // "auto" or a number; empty: one lattice, whose optimum is proved.
+  int steps = 0;
   placement::PlacementOptions placement;
 };
 
@@ -184,7 +188,81 @@ const char* reason_of_nothing(const std::vector<placement::PlacementResult>& res
               : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm";
 }
 
+placement::LatticesOptions lattices_options(const Options& options) {
+  const placement::PlacementOptions& p = options.placement;
+  if (p.shape != placement::TileShape::kTriangle || p.corner_cut_mm > 0.0 || p.weights || p.connected || p.deficit ||
+      p.method != PlacementMethod::kBranchAndBound || !options.proof.empty())
+    throw InputError(
+        "--lattices: only for the number of whole triangles; leave --shape, --corner-cut-mm, --weights, --connected, "
+        "--deficit, --method and --proof out");
+  placement::LatticesOptions lattices;
+  lattices.gap_mm = p.gap_mm;
+  lattices.tolerance_mm = p.tolerance_mm;
+  if (!(p.time_limit_s > 0.0)) throw InputError("--lattices: the search never ends by itself; give --time-limit-s");
+  lattices.time_limit_s = p.time_limit_s;
+  lattices.steps = options.steps;
+  lattices.seed = p.seed;
+  if (options.lattices == "auto") return lattices;
+  const char* const end = options.lattices.data() + options.lattices.size();
+  if (std::from_chars(options.lattices.data(), end, lattices.max_lattices).ptr != end || lattices.max_lattices < 1)
+    throw InputError(fmt::format("--lattices: \"{}\" is not understood; give a number of lattices, 1 … 1000, or auto",
+                                 options.lattices));
+  return lattices;
+}
+
+nlohmann::json lattices_json(const placement::FlatLayout& layout, const placement::PlacementResult& one) {
+  nlohmann::json lattices = nlohmann::json::array();
+  for (const placement::FlatLattice& l : layout.lattices) {
+    nlohmann::json tiles = nlohmann::json::array();
+    for (const design::Tile& t : l.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
+    lattices.push_back(
+        {{"placement", {{"x_mm", l.placement.x_mm}, {"y_mm", l.placement.y_mm}, {"theta_rad", l.placement.theta_rad}}},
+         {"tiles", std::move(tiles)}});
+  }
+  return {{"modules", layout.modules},
+          {"upper_bound", layout.upper_bound},
+          {"proved", layout.modules == layout.upper_bound},
+          {"one_lattice", one.modules},
+          {"one_lattice_proved", one.proved},
+          {"lattices", std::move(lattices)},
+          {"steps", layout.steps},
+          {"seconds", one.seconds + layout.seconds}};
+}
+
+// Several lattices on each outline; the outlines share the time, and the best single lattice gets three tenths of it.
+int run_lattices(const Options& options, Output& output) {
+  constexpr double kOneLatticeShare = 0.3;
+  placement::LatticesOptions lattices = lattices_options(options);
+  const std::vector<design::Polygon> polygons = polygons_of(options);
+  if (!options.output.empty() && polygons.size() > 1)
+    throw InputError("-o: a layout of several lattices is that of one outline; choose one with --piece");
+  const double time_limit_s = lattices.time_limit_s / static_cast<double>(polygons.size());
+  nlohmann::json pieces = nlohmann::json::array();
+  for (const design::Polygon& polygon : polygons) {
+    placement::PlacementOptions single = options.placement;
+    single.time_limit_s = kOneLatticeShare * time_limit_s;
+    single.largest_clearance = false;
+    const placement::PlacementResult one = placement::place(polygon, single, output.progress());
+    lattices.time_limit_s = std::max(0.01, time_limit_s - one.seconds);
+    const placement::FlatLayout layout =
+        placement::place_lattices(polygon, {one.placement, one.tiles}, lattices, output.progress());
+    pieces.push_back(lattices_json(layout, one));
+    output.say(fmt::format("{} on {}, no layout holds more than {}; the best single lattice holds {}{}; {:.1f} s",
+                           counted(layout.modules, "module"), counted(layout.lattices.size(), "lattice"),
+                           layout.upper_bound, one.modules, one.proved ? " (proved)" : "",
+                           one.seconds + layout.seconds));
+    if (!options.output.empty() && layout.modules > 0)
+      write_output(options.output, placement::flat_layout_text(polygon, layout, lattices));
+  }
+  output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
+  output.result["gap_mm"] = lattices.gap_mm;
+  if (output.result["modules"].get<int>() > 0) return 0;
+  output.say("no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
+  return 1;
+}
+
 int run(const Options& options, Output& output) {
+  if (!options.lattices.empty()) return run_lattices(options, output);
   if (!options.output.empty() && options.placement.shape != placement::TileShape::kTriangle)
     throw InputError("-o: only triangles can be routed; leave --shape or -o out");
   const std::vector<design::Polygon> polygons = polygons_of(options);
@@ -279,6 +357,12 @@ void add_options(CLI::App& app, Options& options) {
       ->required();
   app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
   app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));
+  app.add_option("--lattices", options.lattices,
+                 "several lattices, each moved on its own: at most so many, or auto; a search with a proved bound; -o "
+                 "then writes the layout, which triskin check judges (docs/placement.md)");
+  app.add_option("--steps", options.steps, "with --lattices: steps of the search (0: as the time permits)")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
   add_method(app, options);
   add_modules(app, options);
   add_search_limits(app, options);
