@@ -15,10 +15,10 @@
 #include <string>
 
 #include "device/mechanics/src/bonded_layer.hpp"
+#include "inverse_study.hpp"
 #include "support/places.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
-#include "triskin/mechanics/inverse_study.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::mechanics {

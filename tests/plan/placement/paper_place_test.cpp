@@ -123,7 +123,7 @@ TEST(PaperPlace, other_shapes_and_gaps_are_refused) {
   options.shape = TileShape::kTriangle;
   options.gap_mm = 1.0;
   EXPECT_THROW((void)place(p, options), InputError);
-  options.method = PlacementMethod::kScanAngles;
+  options.method = PlacementMethod::kBranchAndBound;
   EXPECT_GT(place(p, options).modules, 0);
 }
 

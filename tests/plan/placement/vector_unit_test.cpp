@@ -44,7 +44,7 @@ TEST(VectorUnits, agree_bit_for_bit) {
     for (const auto& hole : p.holes) add(hole);
     std::ofstream(file) << nlohmann::json{{"type", "Polygon"}, {"coordinates", rings}};
     for (const std::string options :
-         {"--deficit", "--method scan-angles", "--method descent", "--shape hexagon", "--shape square --gap-mm 1"}) {
+         {"--deficit", "--no-clearance --corner-cut-mm 3", "--shape hexagon", "--shape square --gap-mm 1"}) {
       const nlohmann::json plain = answer("plain", file, options);
       EXPECT_GT(plain.at("evaluations").get<int>(), 0);
       EXPECT_EQ(answer("avx2", file, options), plain) << options;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,9 +12,7 @@
 #include "command.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
-#include "triskin/mechanics/comparison.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
-#include "triskin/mechanics/inverse_study.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::cli::contact_command {
@@ -31,9 +28,6 @@ struct Options {
   double disc_mm = 4.0;
   Level level = Level::kFft;
   std::string inverse;
-  bool table = false;
-  std::optional<int> draws;
-  std::uint64_t seed = 1;
 };
 
 const std::vector<double> kRadii_mm = {0, 1, 2, 3, 4, 6, 8, 10};
@@ -123,36 +117,8 @@ int run_inverse(const Options& options, Output& output) {
   return 0;
 }
 
-int run_table(Output& output) {
-  const mechanics::Comparison comparison = mechanics::compare_levels();
-  const std::string text = mechanics::comparison_text(comparison);
-  output.result = {{"contacts", comparison.contacts}, {"left_out", comparison.left_out}, {"markdown", text}};
-  output.say(text);
-  return 0;
-}
-
-int run_study(const Options& options, Output& output) {
-  const mechanics::InverseStudy study = mechanics::study_inverse(*options.draws, options.seed);
-  const std::string text = mechanics::study_text(study);
-  nlohmann::json rows = nlohmann::json::array();
-  for (const mechanics::StudyRow& r : study.rows) {
-    rows.push_back({{"contacts", r.contacts},
-                    {"draws", r.draws},
-                    {"wrong_counts", r.wrong_counts},
-                    {"covered", r.covered},
-                    {"mean_square", r.mean_square},
-                    {"position_over_bound", r.position_over_bound},
-                    {"force_over_bound", r.force_over_bound}});
-  }
-  output.result = {{"seed", study.seed}, {"rows", std::move(rows)}, {"markdown", text}};
-  output.say(text);
-  return 0;
-}
-
 int run(const Options& options, Output& output) {
   if (!options.inverse.empty()) return run_inverse(options, output);
-  if (options.table) return run_table(output);
-  if (options.draws) return run_study(options, output);
   const mechanics::Indenter indenter = indenter_of(options);
   output.result = contact_json(options, mechanics::press(options.level, options.layer, indenter, options.force_n));
   say_contact(output, output.result);
@@ -176,10 +142,6 @@ void add_options(CLI::App& app, Options& options) {
       ->default_str("fft");
   app.add_option("--inverse", options.inverse,
                  "find the contacts that explain the taxels of this file (docs/mechanics.md)");
-  app.add_flag("--table", options.table, "print error and cost of each level against the exact layer, as Markdown");
-  app.add_option("--draws", options.draws,
-                 "test the estimates and their deviations on this many noisy observations of known contacts");
-  app.add_option("--seed", options.seed, "seed of --draws")->capture_default_str();
 }
 
 const Registration kContact{{

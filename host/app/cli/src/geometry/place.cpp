@@ -300,20 +300,12 @@ const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::k
                                                       {"r4", PlacementMethod::kR4},
                                                       {"r5", PlacementMethod::kR5},
                                                       {"r6", PlacementMethod::kR6},
-                                                      {"r7", PlacementMethod::kR7},
-                                                      {"scan-edges", PlacementMethod::kScanEdges},
-                                                      {"scan-slides", PlacementMethod::kScanSlides},
-                                                      {"scan-shifts", PlacementMethod::kScanShifts},
-                                                      {"scan-angles", PlacementMethod::kScanAngles},
-                                                      {"scan-edge-angles", PlacementMethod::kScanEdgeAngles},
-                                                      {"random", PlacementMethod::kRandom},
-                                                      {"descent", PlacementMethod::kDescent}};
+                                                      {"r7", PlacementMethod::kR7}};
 
 void add_method(CLI::App& app, Options& options) {
   placement::PlacementOptions& placement = options.placement;
   app.add_option("--method", placement.method,
-                 "bnb (certified); r1 … r7, the heuristics of the reference paper (docs/paper.md); scan-edges, "
-                 "scan-slides, scan-shifts, scan-angles, scan-edge-angles, random, descent (docs/placement.md)")
+                 "bnb (certified), or r1 … r7, the heuristics of the reference paper (docs/paper.md)")
       ->transform(one_of(kMethods));
   app.add_option("--line-deg", placement.paper.line_deg, "the generating line of r2 … r7: 0, 60 or 300")
       ->check(CLI::IsMember({0, 60, 300}))

@@ -7,10 +7,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "kernels/evaluator.hpp"
-#include "search/scans.hpp"
 #include "search/slices.hpp"
 
 namespace triskin::placement {
@@ -22,6 +22,28 @@ constexpr std::size_t kBatch = 16;
 constexpr double kLogged_s = 1.5e-6;  // Writing a cell to the log takes 0.7e-6 s (measured); we reserve twice that.
 // After this many cells a search looks for constraints that contradict each other.
 constexpr std::int64_t kLong = 200;
+
+struct Descent {
+  Motion motion;
+  int modules;
+  std::int64_t evaluations;
+};
+
+// Takes each of the six axis steps that leads to more modules, and halves the step.
+Descent descend(Evaluator& evaluator, double radius_mm, double tolerance_mm, const Motion& start) {
+  Descent best{start, evaluator.count(start, -tolerance_mm), 1};
+  for (double step = 4.0; step > 0.05; step *= 0.5) {
+    for (const auto& [dx, dy, dt] :
+         {std::array{1., 0., 0.}, {-1., 0., 0.}, {0., 1., 0.}, {0., -1., 0.}, {0., 0., 1.}, {0., 0., -1.}}) {
+      const Motion next{best.motion.x + step * dx, best.motion.y + step * dy,
+                        best.motion.theta + step * dt / std::max(1.0, radius_mm)};
+      const int modules = evaluator.count(next, -tolerance_mm);
+      ++best.evaluations;
+      if (modules > best.modules) best = {next, modules, best.evaluations};
+    }
+  }
+  return best;
+}
 
 class BranchAndBound {
  public:
@@ -172,7 +194,7 @@ class BranchAndBound {
     }
     result_.evaluations += static_cast<std::int64_t>(tried);
     if (!result_.found) return;
-    const ScanResult reached = descend(polygon_, grid_, goal_.tolerance_mm, result_.motion);
+    const Descent reached = descend(evaluator, polygon_.radius_mm, goal_.tolerance_mm, result_.motion);
     result_.evaluations += reached.evaluations;
     take(reached.modules, reached.motion);
   }

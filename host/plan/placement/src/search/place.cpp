@@ -10,7 +10,6 @@
 #include "kernels/weighted_tiles.hpp"
 #include "search/branch_and_bound.hpp"
 #include "search/clearance.hpp"
-#include "search/scans.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/placement/placement.hpp"
@@ -36,7 +35,7 @@ Clock::time_point deadline_after(double seconds) {
 }
 
 bool is_of_paper(PlacementMethod m) {
-  return m >= PlacementMethod::kR1 && m <= PlacementMethod::kR7;
+  return m != PlacementMethod::kBranchAndBound;
 }
 
 void require_corner_cut(const PlacementOptions& o) {
@@ -50,7 +49,7 @@ void require_corner_cut(const PlacementOptions& o) {
   if (is_of_paper(o.method))
     throw InputError(
         "corner cut: methods r1 … r7 are those of the reference paper, which knows a module by three whole sides; "
-        "leave --corner-cut-mm out, or use --method bnb or a scan (docs/placement.md, Cut corners)");
+        "leave --corner-cut-mm out, or use --method bnb");
 }
 
 void require_sane(const PlacementOptions& o) {
@@ -60,7 +59,7 @@ void require_sane(const PlacementOptions& o) {
   if ((o.connected || o.weights) && o.method != PlacementMethod::kBranchAndBound)
     throw InputError("connected modules and weights: only method bnb can do them");
   if (is_of_paper(o.method) && (o.shape != TileShape::kTriangle || o.gap_mm != 0.0))
-    throw InputError("methods r1 … r7 place triangles without a gap; the scans take other shapes and gaps");
+    throw InputError("methods r1 … r7 place triangles without a gap; --method bnb takes other shapes and gaps");
   if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
   if (!(o.memory_limit_mb >= 1.0))
     throw InputError(fmt::format("memory limit {} MB: must be at least 1", o.memory_limit_mb));
@@ -209,14 +208,6 @@ struct Placing {
     result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  void by_scan() {
-    const ScanResult found = run_scan(polygon, grid, options);
-    result.modules = found.modules;
-    result.evaluations = found.evaluations;
-    motion = found.motion;
-    bound_by_area();
-  }
-
   // Computes B_u of the paper (Section IV-C), with room for rounding.
   void bound_by_area() {
     result.upper_bound = static_cast<int>(std::floor(area_mm2 / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
@@ -275,10 +266,8 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
       placing.certify_objective();
     else
       placing.refine();
-  } else if (is_of_paper(options.method)) {
-    placing.by_paper(normalized);
   } else {
-    placing.by_scan();
+    placing.by_paper(normalized);
   }
   if (!is_of_paper(options.method)) result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
   if (options.connected) result.tiles = largest_component(grid, result.tiles);

@@ -25,15 +25,7 @@ enum class PlacementMethod {
   kR4,
   kR5,
   kR6,
-  kR7,
-  // Grid scans and descents (docs/placement.md) accept every shape and gap.
-  kScanEdges,
-  kScanSlides,
-  kScanShifts,
-  kScanAngles,
-  kScanEdgeAngles,
-  kRandom,
-  kDescent
+  kR7
 };
 /// All shapes have sides of 30 mm.
 enum class TileShape { kTriangle, kHexagon, kSquare };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/mechanics/inverse_study.hpp"
+#include "inverse_study.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include "contact_chain.hpp"
+#include "device/mechanics/src/contact_chain.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/inverse.hpp"

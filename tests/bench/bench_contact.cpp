@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/mechanics/comparison.hpp"
+// Measures the levels of the contact model against the exact layer, and contacts found from noisy taxels against their
+// truth.
 
 #include <fmt/format.h>
 
@@ -11,16 +12,58 @@
 #include <numbers>
 #include <tuple>
 
-#include "bonded_layer.hpp"
-#include "layer_patch.hpp"
-#include "logarithmic.hpp"
+#include "bench.hpp"
+#include "device/mechanics/inverse_study.hpp"
+#include "device/mechanics/src/bonded_layer.hpp"
+#include "device/mechanics/src/layer_patch.hpp"
+#include "device/mechanics/src/logarithmic.hpp"
+#include "device/mechanics/src/winkler.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/taxel.hpp"
-#include "winkler.hpp"
 
 namespace triskin::mechanics {
 namespace {
+
+/// Gives the worst relative errors of one level against the exact solution. The error of a taxel is relative to the
+/// peak of ΔC/C.
+struct LevelErrors {
+  double indentation = 0.0, contact_radius = 0.0, peak_pressure = 0.0, taxel = 0.0;
+  int refused = 0;  ///< The exact solution has an answer for these contacts, but this level has none.
+};
+
+/// Gives the errors of the levels winkler, log and table for contacts of one Poisson's ratio and one range of contact
+/// radii.
+struct ComparisonRow {
+  std::string indenter;
+  double poisson = 0.0;
+  double min_ratio = 0.0, max_ratio = 0.0;  ///< The contact radii are in thicknesses of the layer.
+  int contacts = 0;
+  std::array<LevelErrors, 3> levels;
+};
+
+/// Gives the median cost of one contact by a level, in microseconds.
+struct LevelCost {
+  std::string level;
+  double microseconds = 0.0;
+};
+
+/// Compares the grid of layer_patch.hpp with the exact solution of a sphere.
+struct PatchRow {
+  double poisson = 0.0, points_per_radius = 0.0;
+  int points = 0;  ///< The patch has this many points per side.
+  double milliseconds = 0.0;
+  LevelErrors errors;
+};
+
+struct Comparison {
+  std::vector<ComparisonRow> rows;
+  std::vector<LevelCost> costs;
+  std::vector<PatchRow> patches;
+  double table_seconds = 0.0;  ///< Making the table of one Poisson's ratio takes this long.
+  int contacts = 0;            ///< The exact solution answered this many contacts.
+  int left_out = 0;            ///< These contacts would press the layer to more than 0.6 of its thickness.
+};
 
 constexpr double kModulus_kpa = 100.0;
 constexpr double kMaxComparedShare = 0.6;
@@ -192,12 +235,7 @@ std::string errors_text(const LevelErrors& e) {
                      percent(e.taxel), refused);
 }
 
-}  // namespace
-
-Comparison compare_levels() {
-  return Comparer().run();
-}
-
+// Writes Markdown tables.
 std::string comparison_text(const Comparison& comparison) {
   std::string text = fmt::format(
       "{} contacts; {} that would press the layer to more than 0.6 of its thickness are left out. Worst error in "
@@ -225,4 +263,18 @@ std::string comparison_text(const Comparison& comparison) {
   return text;
 }
 
+nlohmann::json contact_rows(const cli::BenchOptions& options, cli::Output& /*output*/) {
+  const Comparison comparison = Comparer().run();
+  const InverseStudy study = study_inverse(options.quick ? 20 : 1000, 1127);
+  return {{{"series", "levels"},
+           {"contacts", comparison.contacts},
+           {"left_out", comparison.left_out},
+           {"markdown", comparison_text(comparison)}},
+          {{"series", "draws"}, {"seed", study.seed}, {"markdown", study_text(study)}}};
+}
+
+const cli::BenchSubject kContact("contact", "contact model: levels against the exact layer, noisy draws against truth",
+                                 contact_rows);
+
+}  // namespace
 }  // namespace triskin::mechanics
