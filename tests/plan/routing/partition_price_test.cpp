@@ -302,7 +302,7 @@ TEST(Cost, the_exact_programme_finds_the_cheapest_that_joins_all_islands) {
     const design::ModuleGraph joined = design::with_jumpers(set.graph, set.places);
     const unsigned all = (1U << set.graph.nodes.size()) - 1;
     if (pieces(joined, all) != 1) continue;
-    std::vector<int> nodes(set.graph.nodes.size());
+    routing::Numbers nodes(set.graph.nodes.size());
     std::iota(nodes.begin(), nodes.end(), 0);
     // The index is the number of an island; numbers that no island has count as joined.
     std::vector<int> islands(5, set.graph.nodes[0].island);

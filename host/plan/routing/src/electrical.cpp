@@ -39,18 +39,17 @@ bool violates(const ElectricalModel& model, const LineElectrical& line) {
   return line.modules > 0 && line.max_bus_hz < model.bus_hz;
 }
 
-std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent,
-                                 const std::vector<int>& line, int lines, double cable_m,
-                                 const std::vector<double>& jumper_m) {
+std::vector<LineLoad> line_loads(const ElectricalModel& model, const Numbers& parent, const Numbers& line, int lines,
+                                 double cable_m, const std::vector<double>& jumper_m) {
   const int n = static_cast<int>(parent.size());
-  std::vector<unsigned> below(parent.size(), 0);  // Each bit is a line that is used at or below the node.
+  Table<int, unsigned> below(parent.size(), 0);  // Each bit is a line that is used at or below the node.
   for (std::size_t v = parent.size(); v-- > 0;) {
     below[v] |= 1U << line[v];
-    if (parent[v] >= 0) below[at(parent[v])] |= below[v];
+    if (parent[v] >= 0) below[parent[v]] |= below[v];
   }
-  std::vector<LineLoad> loads(at(lines));
+  Table<int, LineLoad> loads(at(lines));
   for (int l = 0; l < lines; ++l) {
-    LineLoad& load = loads[at(l)];
+    LineLoad& load = loads[l];
     load.cable_m = cable_m;
     load.modules = static_cast<int>(std::ranges::count(line, l));
     int reached = n;

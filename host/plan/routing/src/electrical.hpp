@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "triskin/routing/routing.hpp"
+#include "local_graph.hpp"
 
 namespace triskin::routing {
 
@@ -24,8 +24,7 @@ struct LineLoad {
 /// Returns the loads of every line of a tree in parents-first order: parent[0] = -1, line[k] of node k. jumper_m[k] is
 /// the length of the jumper from node k to its parent, -1 if a joint of the lattice leads there; an empty list means
 /// that there is no jumper.
-[[nodiscard]] std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent,
-                                               const std::vector<int>& line, int lines, double cable_m,
-                                               const std::vector<double>& jumper_m = {});
+[[nodiscard]] std::vector<LineLoad> line_loads(const ElectricalModel& model, const Numbers& parent, const Numbers& line,
+                                               int lines, double cable_m, const std::vector<double>& jumper_m = {});
 
 }  // namespace triskin::routing

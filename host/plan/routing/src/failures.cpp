@@ -20,7 +20,7 @@ struct Failure {
 
 // Holds owner and depth of every node, shared by all patches of a result.
 struct Ownership {
-  std::vector<int> patch, depth;
+  Numbers patch, depth;
 };
 
 class PatchAnalysis {
@@ -34,25 +34,25 @@ class PatchAnalysis {
         patch_(patch),
         g_(local(graph, patch)),
         bits_(g_) {
-    tree_parent_.assign(at(g_.size()), -1);
-    size_.assign(at(g_.size()), 1);
+    tree_parent_.assign(g_.node.size(), -1);
+    size_.assign(g_.node.size(), 1);
     for (const RoutedModule& m : patch.modules) {
-      if (m.parent >= 0) tree_parent_[at(index(m.node))] = index(m.parent);
+      if (m.parent >= 0) tree_parent_[index(m.node)] = index(m.parent);
     }
     for (auto m = patch.modules.rbegin(); m != patch.modules.rend(); ++m) {
-      if (m->parent >= 0) size_[at(index(m->parent))] += size_[at(index(m->node))];
+      if (m->parent >= 0) size_[index(m->parent)] += size_[index(m->node)];
     }
     entry_ = index(patch.entry);
     // The cable of an inner entry occupies a joint, which is lost permanently.
-    const int behind = g_.neighbour[at(entry_)][at(patch.modules[0].rotation)];
+    const int behind = g_.neighbour[entry_][patch.modules[0].rotation];
     if (behind >= 0) {
       bits_.cut(entry_, behind);
-      for (int& w : g_.neighbour[at(entry_)]) w = w == behind ? -1 : w;
-      for (int& w : g_.neighbour[at(behind)]) w = w == entry_ ? -1 : w;
+      for (int& w : g_.neighbour[entry_]) w = w == behind ? -1 : w;
+      for (int& w : g_.neighbour[behind]) w = w == entry_ ? -1 : w;
     }
     for (int v = 0; v < g_.size(); ++v) failures_.push_back({v, {-1, -1}});
     for (int v = 0; v < g_.size(); ++v) {
-      if (v != entry_) failures_.push_back({-1, {tree_parent_[at(v)], v}});
+      if (v != entry_) failures_.push_back({-1, {tree_parent_[v], v}});
     }
   }
 
@@ -69,7 +69,7 @@ class PatchAnalysis {
 
  private:
   static LocalGraph local(const ModuleGraph& graph, const Patch& patch) {
-    std::vector<int> nodes;
+    Numbers nodes;
     for (const RoutedModule& m : patch.modules) nodes.push_back(m.node);
     return localize(graph, std::move(nodes));
   }
@@ -90,12 +90,12 @@ class PatchAnalysis {
     patch_.bridges.clear();
     for (int v = 0; v < g_.size() && g_.size() > 1; ++v) {
       const std::uint32_t rest = bits_.all & ~(1U << v);
-      if (bits_.reach(rest & (~rest + 1), rest) != rest) patch_.articulation.push_back(g_.node[at(v)]);
+      if (bits_.reach(rest & (~rest + 1), rest) != rest) patch_.articulation.push_back(g_.node[v]);
     }
     for (const Joint& j : joints_of(g_)) {
       PartBits bits = bits_;
       bits.cut(j.a, j.b);
-      if (bits.reach(1U << j.a, bits.all) != bits.all) patch_.bridges.push_back({g_.node[at(j.a)], g_.node[at(j.b)]});
+      if (bits.reach(1U << j.a, bits.all) != bits.all) patch_.bridges.push_back({g_.node[j.a], g_.node[j.b]});
     }
   }
 
@@ -119,7 +119,7 @@ class PatchAnalysis {
       const int score = saves > 0 ? saves + (border ? kBorderWorth : 0) : 0;
       if (score <= best) continue;
       best = score;
-      patch_.second_entry = g_.node[at(v)];
+      patch_.second_entry = g_.node[v];
       patch_.second_entry_side = side;
       patch_.second_entry_border = border;
       patch_.second_entry_saves = saves;
@@ -131,10 +131,9 @@ class PatchAnalysis {
   [[nodiscard]] std::pair<int, bool> connector_side(int v) const {
     int seam = -1;
     for (int s = 0; s < 3; ++s) {
-      if (is_border(graph_, g_.node[at(v)], s)) return {s, true};
-      const int across = graph_.nodes[at(g_.node[at(v)])].neighbour[at(s)];
-      if (seam < 0 && across >= 0 && owner_.patch[at(across)] != owner_.patch[at(patch_.entry)] &&
-          !cable_between(v, across))
+      if (is_border(graph_, g_.node[v], s)) return {s, true};
+      const int across = graph_.nodes[at(g_.node[v])].neighbour[at(s)];
+      if (seam < 0 && across >= 0 && owner_.patch[across] != owner_.patch[patch_.entry] && !cable_between(v, across))
         seam = s;
     }
     return {options_.second_entry_at_seam ? seam : -1, false};
@@ -142,15 +141,15 @@ class PatchAnalysis {
 
   FailureLoss loss(const Failure& f) {
     FailureLoss result;
-    result.node = g_.node[at(f.dead >= 0 ? f.dead : f.broken[1])];
-    result.other_node = f.dead >= 0 ? -1 : g_.node[at(f.broken[0])];
-    result.lost_strapped = size_[at(f.dead >= 0 ? f.dead : f.broken[1])];
+    result.node = g_.node[f.dead >= 0 ? f.dead : f.broken[1]];
+    result.other_node = f.dead >= 0 ? -1 : g_.node[f.broken[0]];
+    result.lost_strapped = size_[f.dead >= 0 ? f.dead : f.broken[1]];
     result.lost_one_entry = g_.size() - std::popcount(reached(f, 1U << entry_));
     regrow(f);
     result.lost_rerouted = static_cast<int>(std::ranges::count_if(depth_, [](int d) { return d < 0; }));
     for (int v = 0; v < g_.size(); ++v) {
-      if (depth_[at(v)] < 0 || parent_[at(v)] == tree_parent_[at(v)]) continue;
-      result.backup_tree.push_back({g_.node[at(v)], parent_[at(v)] < 0 ? -1 : g_.node[at(parent_[at(v)])]});
+      if (depth_[v] < 0 || parent_[v] == tree_parent_[v]) continue;
+      result.backup_tree.push_back({g_.node[v], parent_[v] < 0 ? -1 : g_.node[parent_[v]]});
     }
     if (options_.adoption) adopt(f, result);
     result.lost_backed_up = result.lost_rerouted - static_cast<int>(result.adopted.size());
@@ -168,23 +167,23 @@ class PatchAnalysis {
     std::vector<std::array<int, 2>> queue{{v, parent}};
     for (std::size_t k = 0; k < queue.size(); ++k) {
       const auto [u, p] = queue[k];
-      parent_[at(u)] = p;
-      depth_[at(u)] = p < 0 ? 0 : depth_[at(p)] + 1;
-      for (const int w : g_.neighbour[at(u)]) {
-        const bool tree_joint = w >= 0 && (tree_parent_[at(w)] == u || tree_parent_[at(u)] == w);
-        if (tree_joint && usable(f, u, w) && depth_[at(w)] < 0 && w != p) queue.push_back({w, u});
+      parent_[u] = p;
+      depth_[u] = p < 0 ? 0 : depth_[p] + 1;
+      for (const int w : g_.neighbour[u]) {
+        const bool tree_joint = w >= 0 && (tree_parent_[w] == u || tree_parent_[u] == w);
+        if (tree_joint && usable(f, u, w) && depth_[w] < 0 && w != p) queue.push_back({w, u});
       }
     }
   }
 
   void regrow(const Failure& f) {
-    parent_.assign(at(g_.size()), -1);
-    depth_.assign(at(g_.size()), -1);
+    parent_.assign(g_.node.size(), -1);
+    depth_.assign(g_.node.size(), -1);
     if (entry_ != f.dead) attach(f, entry_, -1);
     rejoin(f);
     if (patch_.second_entry < 0) return;
     const int second = index(patch_.second_entry);
-    if (second == f.dead || depth_[at(second)] >= 0) return;
+    if (second == f.dead || depth_[second] >= 0) return;
     attach(f, second, -1);
     rejoin(f);
   }
@@ -194,9 +193,9 @@ class PatchAnalysis {
     for (;;) {
       std::tuple<int, int, int> best{1 << 20, -1, -1};
       for (int u = 0; u < g_.size(); ++u) {
-        if (depth_[at(u)] < 0) continue;
-        for (const int w : g_.neighbour[at(u)]) {
-          if (usable(f, u, w) && depth_[at(w)] < 0) best = std::min(best, {depth_[at(u)], u, w});
+        if (depth_[u] < 0) continue;
+        for (const int w : g_.neighbour[u]) {
+          if (usable(f, u, w) && depth_[w] < 0) best = std::min(best, {depth_[u], u, w});
         }
       }
       const auto [depth, u, w] = best;
@@ -207,38 +206,37 @@ class PatchAnalysis {
 
   // Orphans that touch another patch with free addresses are read by it, the one nearest to its entry first.
   void adopt(const Failure& f, FailureLoss& result) const {
-    std::vector<int> adopter(at(g_.size()), -1), depth(at(g_.size()), 0);
+    Numbers adopter(g_.node.size(), -1), depth(g_.node.size(), 0);
     std::vector<std::array<int, 2>> taken;  // Each entry is a patch and the number of modules it takes.
     for (;;) {
       std::tuple<int, int, int> best{1 << 20, -1, -1};  // The entries are depth, unreachable module and parent node.
       for (int v = 0; v < g_.size(); ++v) {
-        if (depth_[at(v)] >= 0 || v == f.dead || adopter[at(v)] >= 0) continue;
-        for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour)
-          consider(f, v, node, adopter, depth, taken, best);
+        if (depth_[v] >= 0 || v == f.dead || adopter[v] >= 0) continue;
+        for (const int node : graph_.nodes[at(g_.node[v])].neighbour) consider(f, v, node, adopter, depth, taken, best);
       }
       const auto [d, v, node] = best;
       if (v < 0) return;
-      const bool inside = owner_.patch[at(node)] == owner_.patch[at(patch_.entry)];
-      adopter[at(v)] = inside ? adopter[at(index(node))] : owner_.patch[at(node)];
-      depth[at(v)] = d + 1;
-      const auto row = std::ranges::find(taken, adopter[at(v)], [](const auto& t) { return t[0]; });
+      const bool inside = owner_.patch[node] == owner_.patch[patch_.entry];
+      adopter[v] = inside ? adopter[index(node)] : owner_.patch[node];
+      depth[v] = d + 1;
+      const auto row = std::ranges::find(taken, adopter[v], [](const auto& t) { return t[0]; });
       if (row == taken.end())
-        taken.push_back({adopter[at(v)], 1});
+        taken.push_back({adopter[v], 1});
       else
         ++(*row)[1];
-      result.adopted.push_back({g_.node[at(v)], node});
+      result.adopted.push_back({g_.node[v], node});
     }
   }
 
-  void consider(const Failure& f, int v, int node, const std::vector<int>& adopter, const std::vector<int>& depth,
+  void consider(const Failure& f, int v, int node, const Numbers& adopter, const Numbers& depth,
                 const std::vector<std::array<int, 2>>& taken, std::tuple<int, int, int>& best) const {
     if (node < 0) return;
-    int patch = owner_.patch[at(node)], d = owner_.depth[at(node)];
-    if (patch == owner_.patch[at(patch_.entry)]) {
+    int patch = owner_.patch[node], d = owner_.depth[node];
+    if (patch == owner_.patch[patch_.entry]) {
       const int w = index(node);
-      if (!usable(f, v, w) || adopter[at(w)] < 0 || std::ranges::count(g_.neighbour[at(v)], w) == 0) return;
-      patch = adopter[at(w)];
-      d = depth[at(w)];
+      if (!usable(f, v, w) || adopter[w] < 0 || std::ranges::count(g_.neighbour[v], w) == 0) return;
+      patch = adopter[w];
+      d = depth[w];
     } else if (cable_between(v, node)) {
       return;
     }
@@ -249,8 +247,8 @@ class PatchAnalysis {
 
   // Returns true if a cable, this patch's or the other's, occupies the joint of v and the node.
   [[nodiscard]] bool cable_between(int v, int node) const {
-    const Patch& other = patches_[at(owner_.patch[at(node)])];
-    const int mine = g_.node[at(v)];
+    const Patch& other = patches_[at(owner_.patch[node])];
+    const int mine = g_.node[v];
     const auto plugs = [&](const Patch& p, int from, int to) {
       const auto& sides = graph_.nodes[at(from)].neighbour;
       return (p.entry == from && sides[at(p.modules[0].rotation)] == to) ||
@@ -267,18 +265,18 @@ class PatchAnalysis {
   LocalGraph g_;
   PartBits bits_;
   int entry_ = 0;
-  std::vector<int> tree_parent_, size_, parent_, depth_;
+  Numbers tree_parent_, size_, parent_, depth_;
   std::vector<Failure> failures_;
 };
 
 }  // namespace
 
 void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, std::vector<Patch>& patches) {
-  Ownership owner{std::vector<int>(graph.nodes.size(), -1), std::vector<int>(graph.nodes.size(), 0)};
+  Ownership owner{Numbers(graph.nodes.size(), -1), Numbers(graph.nodes.size(), 0)};
   for (std::size_t p = 0; p < patches.size(); ++p) {
     for (const RoutedModule& m : patches[p].modules) {
-      owner.patch[at(m.node)] = static_cast<int>(p);
-      owner.depth[at(m.node)] = m.depth;
+      owner.patch[m.node] = static_cast<int>(p);
+      owner.depth[m.node] = m.depth;
     }
   }
   // Every connector is planned before losses are counted, because it occupies a joint that adoption could use.

@@ -26,19 +26,19 @@ class FrontierProgramme {
         capacity_(capacity),
         k_(k - static_cast<int>(folding.closed.size())),
         budget_(budget),
-        in_core_(at(g.size()), false),
+        in_core_(g.node.size(), false),
         order_(order_for_small_frontier(g, folding.core)) {
-    for (const int v : folding.core) in_core_[at(v)] = true;
+    for (const int v : folding.core) in_core_[v] = true;
   }
 
   FrontierAnswer run() {
     if (order_.widest > kMaxFrontier) return {};
     layers_.push_back({State{}});
-    std::vector<int> frontier;
+    Numbers frontier;
     int to_come = 0;
-    for (const int v : order_.nodes) to_come += 1 + folding_.branch_weight[at(v)];
+    for (const int v : order_.nodes) to_come += 1 + folding_.branch_weight[v];
     for (const int v : order_.nodes) {
-      to_come -= 1 + folding_.branch_weight[at(v)];
+      to_come -= 1 + folding_.branch_weight[v];
       if (!add(v, frontier, to_come)) return {};
       if (layers_.back().empty()) return {Decision::kInfeasible, {}};
     }
@@ -46,17 +46,17 @@ class FrontierProgramme {
   }
 
  private:
-  bool add(int v, std::vector<int>& frontier, int to_come) {
+  bool add(int v, Numbers& frontier, int to_come) {
     step_.clear();
     next_.clear();
-    std::vector<int> nodes = frontier;
+    Numbers nodes = frontier;
     nodes.push_back(v);
     std::vector<bool> stays(nodes.size());
-    placed_.resize(at(g_.size()), false);
-    placed_[at(v)] = true;
+    placed_.resize(g_.node.size(), false);
+    placed_[v] = true;
     for (std::size_t s = 0; s < nodes.size(); ++s) {
-      stays[s] = std::ranges::any_of(g_.neighbour[at(nodes[s])],
-                                     [&](int w) { return w >= 0 && in_core_[at(w)] && !placed_[at(w)]; });
+      stays[s] =
+          std::ranges::any_of(g_.neighbour[nodes[s]], [&](int w) { return w >= 0 && in_core_[w] && !placed_[w]; });
     }
     const std::vector<State>& now = layers_.back();
     for (std::size_t i = 0; i < now.size(); ++i) {
@@ -73,17 +73,17 @@ class FrontierProgramme {
   }
 
   // Tries all ways to join v to the blocks of its neighbours, with and without its branch.
-  void expand(const State& state, int index, int v, const std::vector<int>& frontier, const std::vector<bool>& stays,
+  void expand(const State& state, int index, int v, const Numbers& frontier, const std::vector<bool>& stays,
               int to_come) {
     const FrontierBlocks blocks = unpack_blocks(state.key, frontier.size());
     std::array<int, 3> block_at{-1, -1, -1};  // Every block is listed at one side only.
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto position = std::ranges::find(frontier, g_.neighbour[at(v)][s]);
+      const auto position = std::ranges::find(frontier, g_.neighbour[v][s]);
       if (position == frontier.end()) continue;
       const int label = blocks.label[static_cast<std::size_t>(position - frontier.begin())];
       if (std::ranges::count(block_at, label) == 0) block_at[s] = label;
     }
-    const int branch = folding_.branch_weight[at(v)];
+    const int branch = folding_.branch_weight[v];
     for (unsigned joined = 0; joined < 8; ++joined) {
       int weight = 1;
       bool valid = true;
@@ -109,36 +109,36 @@ class FrontierProgramme {
     const auto [found, is_new] = step_.try_emplace(s.key, static_cast<int>(next_.size()));
     if (is_new)
       next_.push_back(s);
-    else if (s.closed < next_[at(found->second)].closed)
-      next_[at(found->second)] = s;
+    else if (s.closed < next_[found->second].closed)
+      next_[found->second] = s;
   }
 
-  std::vector<std::vector<int>> read_back() const {
-    DisjointSets sets(at(g_.size()));
-    std::vector<std::vector<int>> parts = folding_.closed;
-    std::vector<bool> keeps(at(g_.size()), true);
+  Table<int, Numbers> read_back() const {
+    DisjointSets sets(g_.node.size());
+    Table<int, Numbers> parts = folding_.closed;
+    Table<int, bool> keeps(g_.node.size(), true);
     const State* state = &layers_.back()[0];
     for (std::size_t layer = order_.nodes.size(); layer > 0; --layer) {
       const int v = order_.nodes[layer - 1];
-      keeps[at(v)] = state->keeps_branch;
+      keeps[v] = state->keeps_branch;
       for (std::size_t s = 0; s < 3; ++s) {
-        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[at(v)][s]);
+        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[v][s]);
       }
       state = &layers_[layer - 1][at(state->before)];
     }
-    std::vector<int> index(at(g_.size()), -1);
+    Numbers index(g_.node.size(), -1);
     for (const int v : order_.nodes) {
       const int top = sets.find(v);
-      if (index[at(top)] < 0) {
-        index[at(top)] = static_cast<int>(parts.size());
+      if (index[top] < 0) {
+        index[top] = static_cast<int>(parts.size());
         parts.emplace_back();
       }
-      const auto& branch = folding_.branch[at(v)];
-      parts[at(index[at(top)])].push_back(v);
-      if (keeps[at(v)]) parts[at(index[at(top)])].insert(parts[at(index[at(top)])].end(), branch.begin(), branch.end());
+      const auto& branch = folding_.branch[v];
+      parts[index[top]].push_back(v);
+      if (keeps[v]) parts[index[top]].insert(parts[index[top]].end(), branch.begin(), branch.end());
     }
     for (const int v : order_.nodes) {
-      if (!keeps[at(v)]) parts.push_back(folding_.branch[at(v)]);
+      if (!keeps[v]) parts.push_back(folding_.branch[v]);
     }
     return parts;
   }
@@ -147,10 +147,10 @@ class FrontierProgramme {
   const Folding& folding_;
   int capacity_, k_;
   long budget_;
-  std::vector<bool> in_core_, placed_;
+  Table<int, bool> in_core_, placed_;
   FrontierOrder order_;
-  std::vector<std::vector<State>> layers_;
-  std::vector<State> next_;
+  Table<int, std::vector<State>> layers_;
+  Table<int, State> next_;
   std::unordered_map<FrontierKey, int, FrontierKeyHash> step_;
 };
 

@@ -11,7 +11,7 @@ enum class Decision { kFeasible, kInfeasible, kTooLarge };
 
 struct FrontierAnswer {
   Decision decision = Decision::kTooLarge;
-  std::vector<std::vector<int>> parts;  ///< If the graph is feasible, all parts of it are listed.
+  Table<int, Numbers> parts;  ///< If the graph is feasible, all parts of it are listed.
 };
 
 /// Decides exactly whether the folded graph can be divided into at most k parts. A dynamic programme adds the core's

@@ -7,31 +7,30 @@
 namespace triskin::routing {
 namespace {
 
-FrontierOrder grow(const LocalGraph& g, const std::vector<int>& nodes, const std::vector<bool>& inside, int start,
-                   long& cost) {
+FrontierOrder grow(const LocalGraph& g, const Numbers& nodes, const Table<int, bool>& inside, int start, long& cost) {
   FrontierOrder order;
-  std::vector<int> missing(at(g.size()), 0), border{start};
-  std::vector<bool> placed(at(g.size()), false);
+  Numbers missing(g.node.size(), 0), border{start};
+  Table<int, bool> placed(g.node.size(), false);
   for (const int v : nodes) {
-    for (const int w : g.neighbour[at(v)]) missing[at(v)] += w >= 0 && inside[at(w)] ? 1 : 0;
+    for (const int w : g.neighbour[v]) missing[v] += w >= 0 && inside[w] ? 1 : 0;
   }
   int frontier = 0;
   while (!border.empty()) {
     // The first is the change of the frontier, the second the place in the border.
     std::pair<int, std::size_t> best{9, 0};
     for (std::size_t k = 0; k < border.size(); ++k) {
-      int change = missing[at(border[k])] > 0 ? 1 : 0;
-      for (const int w : g.neighbour[at(border[k])]) change -= w >= 0 && placed[at(w)] && missing[at(w)] == 1 ? 1 : 0;
+      int change = missing[border[k]] > 0 ? 1 : 0;
+      for (const int w : g.neighbour[border[k]]) change -= w >= 0 && placed[w] && missing[w] == 1 ? 1 : 0;
       best = std::min(best, {change, k});
     }
     const int v = border[best.second];
     border.erase(border.begin() + static_cast<std::ptrdiff_t>(best.second));
-    placed[at(v)] = true;
+    placed[v] = true;
     order.nodes.push_back(v);
-    for (const int w : g.neighbour[at(v)]) {
-      if (w < 0 || !inside[at(w)]) continue;
-      --missing[at(w)];
-      if (!placed[at(w)] && std::ranges::count(border, w) == 0) border.push_back(w);
+    for (const int w : g.neighbour[v]) {
+      if (w < 0 || !inside[w]) continue;
+      --missing[w];
+      if (!placed[w] && std::ranges::count(border, w) == 0) border.push_back(w);
     }
     frontier += best.first;
     order.widest = std::max(order.widest, frontier + 1);
@@ -42,9 +41,9 @@ FrontierOrder grow(const LocalGraph& g, const std::vector<int>& nodes, const std
 
 }  // namespace
 
-FrontierOrder order_for_small_frontier(const LocalGraph& g, const std::vector<int>& nodes) {
-  std::vector<bool> inside(at(g.size()), false);
-  for (const int v : nodes) inside[at(v)] = true;
+FrontierOrder order_for_small_frontier(const LocalGraph& g, const Numbers& nodes) {
+  Table<int, bool> inside(g.node.size(), false);
+  for (const int v : nodes) inside[v] = true;
   const std::size_t step = std::max<std::size_t>(1, nodes.size() / 24);
   long least = -1;
   FrontierOrder best;

@@ -90,12 +90,12 @@ struct NextFrontier {
 
 /// An order of nodes, and the widest frontier that it passes through.
 struct FrontierOrder {
-  std::vector<int> nodes;
+  Numbers nodes;
   int widest = 0;
 };
 
 /// Grows an order of `nodes`, which are connected among themselves, from several starts; the next node is the one that
 /// leaves the smallest frontier. Neighbours outside `nodes` do not count. Cost: quadratic in the nodes.
-[[nodiscard]] FrontierOrder order_for_small_frontier(const LocalGraph& g, const std::vector<int>& nodes);
+[[nodiscard]] FrontierOrder order_for_small_frontier(const LocalGraph& g, const Numbers& nodes);
 
 }  // namespace triskin::routing

@@ -44,7 +44,7 @@ int IslandGroups::parts_of(int weight) const {
 
 std::int64_t IslandGroups::price_of(IslandSet islands) const {
   Group group{0, islands, 0};
-  for (IslandSet rest = islands; rest != 0; rest &= rest - 1) group.weight += graph_.weight[at(std::countr_zero(rest))];
+  for (IslandSet rest = islands; rest != 0; rest &= rest - 1) group.weight += graph_.weight[std::countr_zero(rest)];
   return price_of(group);
 }
 std::int64_t IslandGroups::price_of(const Group& g) const {
@@ -56,24 +56,24 @@ IslandSet IslandGroups::growing(IslandSet placed) const {
   IslandSet growing = 0;
   for (IslandSet rest = placed; rest != 0; rest &= rest - 1) {
     const int u = std::countr_zero(rest);
-    if ((graph_.neighbour[at(u)] & ~placed) != 0) growing |= only(u);
+    if ((graph_.neighbour[u] & ~placed) != 0) growing |= only(u);
   }
   return growing;
 }
 
 // Tries each start. The next island is the neighbour after which the fewest can grow; ties are won by the one with most
 // neighbours placed. The order with the least Σ 4^(how many can grow) is taken.
-std::vector<int> IslandGroups::order() const {
+Numbers IslandGroups::order() const {
   const int n = static_cast<int>(graph_.weight.size());
   double least = std::numeric_limits<double>::infinity();
-  std::vector<int> best;
+  Numbers best;
   for (int start = 0; start < n; ++start) {
-    std::vector<int> order{start};
+    Numbers order{start};
     double cost = 0.0;
     for (IslandSet placed = only(start); static_cast<int>(order.size()) < n && cost < least;) {
       std::tuple<int, int, int> next{n + 1, 0, -1};
       for (int v = 0; v < n; ++v) {
-        const int placed_beside = std::popcount(graph_.neighbour[at(v)] & placed);
+        const int placed_beside = std::popcount(graph_.neighbour[v] & placed);
         if (!has(placed, v) && placed_beside > 0)
           next = std::min(next, {std::popcount(growing(placed | only(v))), -placed_beside, v});
       }
@@ -91,7 +91,7 @@ std::vector<int> IslandGroups::order() const {
 // Visits the island alone and with any of the groups that it touches; returns false if `visit` does.
 template <typename Visit>
 bool IslandGroups::for_each_way(const State& state, const Layer& layer, const Visit& visit) const {
-  const Group mine{layer.can_grow & only(layer.island), only(layer.island), graph_.weight[at(layer.island)]};
+  const Group mine{layer.can_grow & only(layer.island), only(layer.island), graph_.weight[layer.island]};
   State touched;
   Way apart;
   const auto put = [&](Way& way, Group g) {
@@ -102,7 +102,7 @@ bool IslandGroups::for_each_way(const State& state, const Layer& layer, const Vi
       way.closed.push_back(g.islands);
   };
   for (const Group& g : state) {
-    if ((g.growing & graph_.neighbour[at(layer.island)]) != 0)
+    if ((g.growing & graph_.neighbour[layer.island]) != 0)
       touched.push_back(g);
     else
       put(apart, g);
@@ -129,7 +129,7 @@ bool IslandGroups::for_each_way(const State& state, const Layer& layer, const Vi
 
 // Returns the parts that an island alone needs beyond its weight, and saves when it is joined to others.
 int IslandGroups::saved_together(const Group& g) const {
-  return std::has_single_bit(g.islands) ? graph_.alone[at(std::countr_zero(g.islands))] - parts_of(g.weight) : 0;
+  return std::has_single_bit(g.islands) ? graph_.alone[std::countr_zero(g.islands)] - parts_of(g.weight) : 0;
 }
 int IslandGroups::free_places(const Group& g) const {
   return (parts_of(g.weight) + saved_together(g)) * capacity_ - g.weight;
@@ -174,7 +174,7 @@ std::int64_t IslandGroups::to_come(const State& state, const Layer& layer, long&
   const auto alike = layer.alike.find(pattern_of(state));
   if (alike == layer.alike.end()) return least;
   budget -= static_cast<long>(alike->second.size() / 32);
-  for (const int k : alike->second) least = std::max(least, layer.to_come[at(k)] - lacking(state, layer.state[at(k)]));
+  for (const int k : alike->second) least = std::max(least, layer.to_come[k] - lacking(state, layer.state[k]));
   return least;
 }
 
@@ -190,7 +190,7 @@ bool IslandGroups::lay_out(long budget) {
     layers_.back().island = v;
     layers_.back().can_grow = growing(placed |= only(v));
     Layer next;
-    next.weight_to_come = layers_.back().weight_to_come - graph_.weight[at(v)];
+    next.weight_to_come = layers_.back().weight_to_come - graph_.weight[v];
     if (!advance(next, budget, arcs.emplace_back())) return false;
     layers_.push_back(std::move(next));
   }
@@ -200,7 +200,7 @@ bool IslandGroups::lay_out(long budget) {
     // States that would reach the limit were left out, so the bound ends there.
     for (const std::int64_t price : l.price) l.to_come.push_back(limit_ - price);
     for (const Arc& a : arcs[layer])
-      l.to_come[at(a.from)] = std::min(l.to_come[at(a.from)], a.price + layers_[layer + 1].to_come[at(a.to)]);
+      l.to_come[a.from] = std::min(l.to_come[a.from], a.price + layers_[layer + 1].to_come[a.to]);
   }
   return true;
 }
@@ -219,7 +219,7 @@ bool IslandGroups::advance(Layer& next, long& budget, std::vector<Arc>& arcs) co
         next.state.push_back(std::move(way.state));
         next.price.push_back(price);
       }
-      next.price[at(found->second)] = std::min(next.price[at(found->second)], price);
+      next.price[found->second] = std::min(next.price[found->second], price);
       arcs.push_back({static_cast<int>(k), found->second, way.price});
       return true;
     });
@@ -230,29 +230,29 @@ bool IslandGroups::advance(Layer& next, long& budget, std::vector<Arc>& arcs) co
 
 // Drops states that another can replace: with the controllers that it lacks the other one is no dearer.
 bool IslandGroups::thin(Layer& layer, long& budget, std::vector<Arc>& arcs) const {
-  std::vector<int> order(layer.state.size());
+  Numbers order(layer.state.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](int k) { return layer.price[at(k)]; });
+  std::ranges::stable_sort(order, {}, [&](int k) { return layer.price[k]; });
   Layer kept;
-  std::vector<std::pair<int, std::int64_t>> standin(order.size(), {-1, 0});
+  Table<int, std::pair<int, std::int64_t>> standin(order.size(), {-1, 0});
   for (const int k : order) {
-    const State& state = layer.state[at(k)];
-    std::vector<int>& others = kept.alike[pattern_of(state)];
+    const State& state = layer.state[k];
+    Numbers& others = kept.alike[pattern_of(state)];
     for (const int other : others) {
-      const std::int64_t more = lacking(state, kept.state[at(other)]);
-      if (kept.price[at(other)] + more > layer.price[at(k)]) continue;
-      standin[at(k)] = {other, more};
+      const std::int64_t more = lacking(state, kept.state[other]);
+      if (kept.price[other] + more > layer.price[k]) continue;
+      standin[k] = {other, more};
       break;
     }
     if ((budget -= static_cast<long>(others.size() / 32)) < 0) return false;
-    if (standin[at(k)].first >= 0) continue;
-    standin[at(k)].first = static_cast<int>(kept.state.size());
-    others.push_back(standin[at(k)].first);
+    if (standin[k].first >= 0) continue;
+    standin[k].first = static_cast<int>(kept.state.size());
+    others.push_back(standin[k].first);
     kept.state.push_back(state);
-    kept.price.push_back(layer.price[at(k)]);
+    kept.price.push_back(layer.price[k]);
   }
   for (Arc& a : arcs) {
-    const auto& [number, more] = standin[at(a.to)];
+    const auto& [number, more] = standin[a.to];
     a.to = number;
     a.price -= more;
   }

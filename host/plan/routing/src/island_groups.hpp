@@ -16,9 +16,9 @@ inline constexpr int kMaxIslands = 64;
 
 /// Describes which islands jumpers can join.
 struct IslandGraph {
-  std::vector<int> weight;           ///< The weight of an island is its number of modules.
-  std::vector<int> alone;            ///< No partition of the island alone has fewer parts.
-  std::vector<IslandSet> neighbour;  ///< A jumper can lead to these islands.
+  Numbers weight;                   ///< The weight of an island is its number of modules.
+  Numbers alone;                    ///< No partition of the island alone has fewer parts.
+  Table<int, IslandSet> neighbour;  ///< A jumper can lead to these islands.
 };
 
 /// Finds lower bounds of the price by *groups*: islands that fitted jumpers join, directly or through others. No part
@@ -69,9 +69,9 @@ class IslandGroups {
     int island = -1;         // This island is placed next.
     IslandSet can_grow = 0;  // These islands still have unplaced neighbours once it is placed.
     int weight_to_come = 0;  // This weight is still to be placed, including this island.
-    std::vector<State> state;
-    std::vector<std::int64_t> price, to_come;  // `price` is exact so far; `to_come` is a lower bound of the rest.
-    ByKey<std::vector<int>> alike;             // The key tells which islands can grow in each group.
+    Table<int, State> state;
+    Table<int, std::int64_t> price, to_come;  // `price` is exact so far; `to_come` is a lower bound of the rest.
+    ByKey<Numbers> alike;                     // The key tells which islands can grow in each group.
   };
   struct Arc {
     int from, to;  // `from` numbers a state in a layer, `to` one in the next layer.
@@ -84,7 +84,7 @@ class IslandGroups {
   };
 
   [[nodiscard]] IslandSet growing(IslandSet placed) const;
-  [[nodiscard]] std::vector<int> order() const;
+  [[nodiscard]] Numbers order() const;
   template <typename Visit>
   bool for_each_way(const State& state, const Layer& layer, const Visit& visit) const;
   [[nodiscard]] std::int64_t price_of(const Group& g) const;
@@ -104,7 +104,7 @@ class IslandGroups {
   int capacity_;
   IntegerPrice price_;
   std::int64_t limit_;
-  std::vector<Layer> layers_;  // No layers exist if the budget ended.
+  Table<int, Layer> layers_;  // No layers exist if the budget ended.
 };
 
 }  // namespace triskin::routing

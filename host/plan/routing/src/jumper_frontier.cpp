@@ -20,7 +20,7 @@ struct SlotUnits {
 };
 
 struct NodeOrder {
-  std::vector<int> nodes;
+  Numbers nodes;
   long cost = 0;
   int reached = 0;  // This many nodes were placed before the budget ended.
 };
@@ -34,19 +34,19 @@ class SlotOrder {
   NodeOrder from(int start) {
     NodeOrder order;
     int units = 0;
-    std::vector<int> border{start};
-    placed_.assign(at(g_.joined.size()), false);
+    Numbers border{start};
+    placed_.assign(g_.joined.node.size(), false);
     while (!border.empty()) {
       std::pair<int, std::size_t> next{1 << 20, 0};
       for (std::size_t k = 0; k < border.size(); ++k) next = std::min(next, {change(border[k]), k});
       const int v = border[next.second];
       border.erase(border.begin() + static_cast<std::ptrdiff_t>(next.second));
-      placed_[at(v)] = true;
+      placed_[v] = true;
       order.nodes.push_back(v);
       units += next.first;
       order.cost += 1L << std::min(units, kMaxUnits);
-      for (const int w : g_.joined.neighbour[at(v)]) {
-        if (w >= 0 && !placed_[at(w)] && std::ranges::count(border, w) == 0) border.push_back(w);
+      for (const int w : g_.joined.neighbour[v]) {
+        if (w >= 0 && !placed_[w] && std::ranges::count(border, w) == 0) border.push_back(w);
       }
     }
     return order;
@@ -58,15 +58,15 @@ class SlotOrder {
     int units = 0;
     bool stays = false;
     for (std::size_t s = 0; s < 3; ++s) {
-      const int w = g_.joined.neighbour[at(v)][s];
+      const int w = g_.joined.neighbour[v][s];
       if (w < 0) continue;
-      if (g_.over_jumper[at(v)][s]) {
-        units += placed_[at(w)] ? -units_.jumper : units_.jumper;
-      } else if (!placed_[at(w)]) {
+      if (g_.over_jumper[v][s]) {
+        units += placed_[w] ? -units_.jumper : units_.jumper;
+      } else if (!placed_[w]) {
         stays = true;
       } else {
         int to_come = 0;
-        for (const int u : g_.apart.neighbour[at(w)]) to_come += u >= 0 && !placed_[at(u)] ? 1 : 0;
+        for (const int u : g_.apart.neighbour[w]) to_come += u >= 0 && !placed_[u] ? 1 : 0;
         if (to_come == 1) units -= units_.joint;
       }
     }
@@ -75,7 +75,7 @@ class SlotOrder {
 
   const JumperGraph& g_;
   SlotUnits units_;
-  std::vector<bool> placed_;
+  Table<int, bool> placed_;
 };
 
 struct Slot {
@@ -85,8 +85,8 @@ struct Slot {
 // Tells how a node meets the slots, which is the same for all states of a layer.
 struct Step {
   // These are the slots of placed neighbours at each side.
-  std::array<int, 3> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};
-  std::vector<int> kept;  // These slots of the previous layer remain.
+  Triple<int> over_joint{-1, -1, -1}, over_jumper{-1, -1, -1};
+  Numbers kept;  // These slots of the previous layer remain.
   std::vector<bool> kept_is_jumper;
   bool stays = false;       // The node itself becomes a slot.
   int new_jumpers = 0;      // Jumpers to later nodes become slots, too.
@@ -111,12 +111,12 @@ class CheapestPartition {
         limit_(limit),
         budget_(budget),
         to_come_(g.joined.size()),
-        placed_(at(g.joined.size()), false),
-        island_of_(at(g.joined.size())),
+        placed_(g.joined.node.size(), false),
+        island_of_(g.joined.node.size()),
         order_(order) {
     order.reached = 0;
-    for (const std::vector<int>& island : components(g.apart)) {
-      for (const int v : island) island_of_[at(v)] = static_cast<int>(island_size_.size());
+    for (const Numbers& island : components(g.apart)) {
+      for (const int v : island) island_of_[v] = static_cast<int>(island_size_.size());
       island_size_.push_back(static_cast<int>(island.size()));
     }
     left_of_island_ = island_size_;
@@ -151,17 +151,17 @@ class CheapestPartition {
   }
 
   Step prepare(int v) {
-    placed_[at(v)] = true;
+    placed_[v] = true;
     --to_come_;
     Step step;
     std::vector<Slot> next;
     for (std::size_t k = 0; k < slots_.size(); ++k) {
       const Slot& s = slots_[k];
-      const bool is_jumper = s.side >= 0, ends = is_jumper && g_.neighbour[at(s.node)][at(s.side)] == v;
+      const bool is_jumper = s.side >= 0, ends = is_jumper && g_.neighbour[s.node][s.side] == v;
       for (std::size_t side = 0; side < 3; ++side) {
-        if (g_.neighbour[at(v)][side] != s.node) continue;
+        if (g_.neighbour[v][side] != s.node) continue;
         if (ends) step.over_jumper[side] = static_cast<int>(k);
-        if (!is_jumper && !graph_.over_jumper[at(v)][side]) step.over_joint[side] = static_cast<int>(k);
+        if (!is_jumper && !graph_.over_jumper[v][side]) step.over_joint[side] = static_cast<int>(k);
       }
       if (ends || (!is_jumper && !has_joint_to_come(s.node))) continue;
       step.kept.push_back(static_cast<int>(k));
@@ -171,7 +171,7 @@ class CheapestPartition {
     step.stays = has_joint_to_come(v);
     if (step.stays) next.push_back({v, -1});
     for (int side = 0; side < 3; ++side) {
-      if (!graph_.over_jumper[at(v)][at(side)] || placed_[at(g_.neighbour[at(v)][at(side)])]) continue;
+      if (!graph_.over_jumper[v][side] || placed_[g_.neighbour[v][side]]) continue;
       ++step.new_jumpers;
       next.push_back({v, side});
     }
@@ -180,7 +180,7 @@ class CheapestPartition {
     return step;
   }
   void count_islands(int v, Step& step) {
-    --left_of_island_[at(island_of_[at(v)])];
+    --left_of_island_[island_of_[v]];
     int started = 0;
     for (std::size_t k = 0; k < island_size_.size(); ++k) {
       step.islands_to_come += left_of_island_[k] == island_size_[k] ? 1 : 0;
@@ -189,7 +189,7 @@ class CheapestPartition {
     step.between = started == 0 && step.islands_to_come > 0;
   }
   [[nodiscard]] bool has_joint_to_come(int v) const {
-    return std::ranges::any_of(graph_.apart.neighbour[at(v)], [&](int w) { return w >= 0 && !placed_[at(w)]; });
+    return std::ranges::any_of(graph_.apart.neighbour[v], [&](int w) { return w >= 0 && !placed_[w]; });
   }
 
   // Tries all ways to join the node; jumpers that were fitted for it must be used.
@@ -261,7 +261,7 @@ class CheapestPartition {
     if (step.between && open == 0) return;              // Nothing could then join the later islands.
     if (step.stays) label(fresh);
     for (int k = 0; k < step.new_jumpers; ++k) label((choice.fitted >> k & 1) != 0 ? fresh : kNoBlock);
-    int closed = renamed[at(fresh)] < 0 ? 1 : 0;
+    int closed = renamed[fresh] < 0 ? 1 : 0;
     for (int b = 0; b < before.blocks; ++b) closed += (choice.blocks >> b & 1) == 0 && renamed[at(b)] < 0 ? 1 : 0;
     s.cost = before.cost + price_.part * closed + price_.jumper * std::popcount(choice.fitted);
     const int parts_to_come = (open_weight + to_come_ + capacity_ - 1) / capacity_;
@@ -275,7 +275,7 @@ class CheapestPartition {
     --budget_;
     const auto [found, is_new] = buckets_.try_emplace(s.labels, static_cast<int>(lists_.size()));
     if (is_new) return lists_.push_back({s});
-    auto& list = lists_[at(found->second)];
+    auto& list = lists_[found->second];
     budget_ -= static_cast<long>(list.size() / 16);
     if (std::ranges::any_of(list, [&](const JumperState& other) { return other.beats(s); })) return;
     std::erase_if(list, [&](const JumperState& other) { return s.beats(other); });
@@ -283,21 +283,21 @@ class CheapestPartition {
   }
 
   [[nodiscard]] CheapestParts read_back() const {
-    DisjointSets sets(at(g_.size()));
+    DisjointSets sets(g_.node.size());
     const JumperState* state = &layers_.back()[0];
     for (std::size_t layer = order_.nodes.size(); layer > 0; --layer) {
       const int v = order_.nodes[layer - 1];
       for (std::size_t s = 0; s < 3; ++s) {
-        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[at(v)][s]);
+        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[v][s]);
       }
       state = &layers_[layer - 1][at(state->before)];
     }
-    CheapestParts answer{true, std::vector<int>(at(g_.size()), -1), 0};
-    std::vector<int> number(at(g_.size()), -1);
+    CheapestParts answer{true, Numbers(g_.node.size(), -1), 0};
+    Numbers number(g_.node.size(), -1);
     for (int v = 0; v < g_.size(); ++v) {
-      int& part = number[at(sets.find(v))];
+      int& part = number[sets.find(v)];
       if (part < 0) part = answer.parts++;
-      answer.part_of[at(v)] = part;
+      answer.part_of[v] = part;
     }
     return answer;
   }
@@ -310,13 +310,13 @@ class CheapestPartition {
   long budget_;
   int to_come_;
   bool too_many_blocks_ = false;
-  std::vector<bool> placed_;
-  std::vector<int> island_of_, island_size_, left_of_island_;
+  Table<int, bool> placed_;
+  Numbers island_of_, island_size_, left_of_island_;
   NodeOrder& order_;
   std::vector<Slot> slots_;
-  std::vector<std::vector<JumperState>> layers_;
+  Table<int, std::vector<JumperState>> layers_;
   std::unordered_map<SlotLabels, int, SlotLabelsHash> buckets_;
-  std::vector<std::vector<JumperState>> lists_;
+  Table<int, std::vector<JumperState>> lists_;
 };
 
 }  // namespace
@@ -324,7 +324,7 @@ class CheapestPartition {
 // Only a trial shows which order is good: all get a small budget, and those that got far a larger one.
 CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPrice& price, std::int64_t limit,
                              long& budget) {
-  std::vector<NodeOrder> orders;
+  Table<int, NodeOrder> orders;
   const int n = g.joined.size(), step = std::max(1, n / kStarts);
   for (const SlotUnits units : {SlotUnits{2, 1}, SlotUnits{1, 1}}) {
     SlotOrder order(g, units);
@@ -335,7 +335,7 @@ CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPr
   for (const auto& [tried, share] : {std::pair{48, 128}, std::pair{6, 12}, std::pair{1, 1}}) {
     for (int k = 0; k < std::min(tried, static_cast<int>(orders.size())) && budget > 0; ++k) {
       const long granted = std::min(budget, whole / share);
-      CheapestPartition programme(g, capacity, price, limit, granted, orders[at(k)]);
+      CheapestPartition programme(g, capacity, price, limit, granted, orders[k]);
       CheapestParts answer = programme.run();
       budget -= granted - std::max(0L, programme.budget());
       if (answer.decided) return answer;

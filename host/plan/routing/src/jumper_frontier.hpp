@@ -8,8 +8,8 @@
 namespace triskin::routing {
 
 struct CheapestParts {
-  bool decided = false;      ///< False means that the budget ended first.
-  std::vector<int> part_of;  ///< Each local node has its part; the list is empty when none is cheaper than the limit.
+  bool decided = false;  ///< False means that the budget ended first.
+  Numbers part_of;       ///< Each local node has its part; the list is empty when none is cheaper than the limit.
   int parts = 0;
 };
 

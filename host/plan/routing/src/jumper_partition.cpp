@@ -56,13 +56,13 @@ class JumperPartitioner {
 
   // Divides every island alone, to find the need without jumpers and the least number of pieces of the islands.
   void divide_islands() {
-    std::vector<int> part_of(at(g_.apart.size()), -1);
+    Numbers part_of(g_.apart.node.size(), -1);
     int parts = 0;
-    for (const std::vector<int>& island : islands_) {
+    for (const Numbers& island : islands_) {
       const Partition p = partition(part_of_graph(g_, island).apart, capacity_, seed_, give_up_);
       pieces_bound_ += p.lower_bound;
       alone_.push_back(p.lower_bound);
-      for (std::size_t k = 0; k < island.size(); ++k) part_of[at(island[k])] = parts + p.part_of[k];
+      for (std::size_t k = 0; k < island.size(); ++k) part_of[island[k]] = parts + p.part_of[k];
       parts += p.parts;
     }
     best_.offer(g_, price_, part_of, parts);
@@ -95,18 +95,17 @@ class JumperPartitioner {
   }
 
   [[nodiscard]] IslandGraph island_graph() const {
-    std::vector<int> island_of(at(g_.joined.size()));
+    Numbers island_of(g_.joined.node.size());
     IslandGraph graph;
     for (std::size_t k = 0; k < islands_.size(); ++k) {
       graph.weight.push_back(static_cast<int>(islands_[k].size()));
-      for (const int v : islands_[k]) island_of[at(v)] = static_cast<int>(k);
+      for (const int v : islands_[k]) island_of[v] = static_cast<int>(k);
     }
     graph.alone = alone_;
     graph.neighbour.assign(islands_.size(), 0);
     for (int v = 0; v < g_.joined.size(); ++v) {
       for (std::size_t s = 0; s < 3; ++s) {
-        if (g_.over_jumper[at(v)][s])
-          graph.neighbour[at(island_of[at(v)])] |= IslandSet{1} << island_of[at(g_.joined.neighbour[at(v)][s])];
+        if (g_.over_jumper[v][s]) graph.neighbour[island_of[v]] |= IslandSet{1} << island_of[g_.joined.neighbour[v][s]];
       }
     }
     for (std::size_t k = 0; k < islands_.size(); ++k) graph.neighbour[k] &= ~(IslandSet{1} << k);
@@ -136,12 +135,12 @@ class JumperPartitioner {
       gained = gained || !s.too_large;
       if (s.least > before) return true;
     }
-    std::vector<int> part_of(at(g_.joined.size()), -1);
+    Numbers part_of(g_.joined.node.size(), -1);
     int parts = 0;
     for (const IslandSet group : division.groups) {
       const Settled& s = settled_.at(group);
       for (std::size_t k = 0; k < s.best.part_of.size(); ++k)
-        part_of[at(s.graph.joined.node[k])] = parts + s.best.part_of[k];
+        part_of[s.graph.joined.node[k]] = parts + s.best.part_of[k];
       parts += s.best.parts;
     }
     return best_.offer(g_, price_, part_of, parts) || gained;
@@ -151,15 +150,15 @@ class JumperPartitioner {
     const auto [found, is_new] = settled_.try_emplace(group);
     Settled& s = found->second;
     if (!is_new) return s;
-    std::vector<int> nodes;
+    Numbers nodes;
     for (IslandSet rest = group; rest != 0; rest &= rest - 1) {
-      const auto& island = islands_[at(std::countr_zero(rest))];
+      const auto& island = islands_[std::countr_zero(rest)];
       nodes.insert(nodes.end(), island.begin(), island.end());
     }
     std::ranges::sort(nodes);
     s.graph = part_of_graph(g_, nodes);
     s.least = groups.price_of(group);
-    std::vector<int> part_of;
+    Numbers part_of;
     const int fewest = (s.graph.joined.size() + capacity_ - 1) / capacity_;
     if (peel(s.graph.joined, capacity_, fewest, kPeelBudget, random_, part_of))
       s.best.offer(s.graph, price_, part_of, fewest);
@@ -183,8 +182,8 @@ class JumperPartitioner {
   std::uint64_t seed_;
   const std::function<bool()>& give_up_;
   Dice random_;
-  std::vector<std::vector<int>> islands_;
-  std::vector<int> alone_;  // No partition of the island alone has fewer parts.
+  Table<int, Numbers> islands_;
+  Numbers alone_;  // No partition of the island alone has fewer parts.
   JumperDivision best_;
   int pieces_bound_ = 0;
   std::int64_t bound_ = 0;

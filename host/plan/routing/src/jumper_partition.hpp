@@ -10,7 +10,7 @@ namespace triskin::routing {
 
 struct JumperPartition {
   /// Each local node has its part, 0 … parts − 1; each part is connected in `joined` and ≤ capacity.
-  std::vector<int> part_of;
+  Numbers part_of;
   int parts = 0, jumpers = 0;
   int parts_bound = 0;    ///< No partition has fewer parts, whatever its jumpers.
   int jumpers_bound = 0;  ///< No partition into `parts` parts has fewer jumpers.

@@ -18,17 +18,17 @@ class TreeDivision {
       : g_(g),
         capacity_(capacity),
         price_(price),
-        parent_(at(g.joined.size())),
-        by_jumper_(at(g.joined.size())),
-        seen_(at(g.joined.size()), 0),
-        saved_(at(g.joined.size())),
-        best_(at(g.joined.size())),
-        most_(at(g.joined.size())),
-        taken_(at(g.joined.size())) {}
+        parent_(g.joined.node.size()),
+        by_jumper_(g.joined.node.size()),
+        seen_(g.joined.node.size(), 0),
+        saved_(g.joined.node.size()),
+        best_(g.joined.node.size()),
+        most_(g.joined.node.size()),
+        taken_(g.joined.node.size()) {}
 
   // Draws a random tree over the nodes v with scope[v] == stamp, which must be connected; joints come before jumpers,
   // except in one tree of four.
-  void draw(const std::vector<int>& scope, int stamp, int root, Dice& random) {
+  void draw(const Numbers& scope, int stamp, int root, Dice& random) {
     struct Step {
       int from, to;
       bool jumper;
@@ -40,17 +40,17 @@ class TreeDivision {
     const int depth_first_of_8 = random.below(9);
     Step step{-1, root, false};
     for (;;) {
-      if (seen_[at(step.to)] != now_) {
-        seen_[at(step.to)] = now_;
-        parent_[at(step.to)] = step.from;
-        by_jumper_[at(step.to)] = step.jumper;
+      if (seen_[step.to] != now_) {
+        seen_[step.to] = now_;
+        parent_[step.to] = step.from;
+        by_jumper_[step.to] = step.jumper;
         order_.push_back(step.to);
         const int first = random.below(3);
         for (int k = 0; k < 3; ++k) {
           const std::size_t s = at((first + k) % 3);
-          const int w = g_.joined.neighbour[at(step.to)][s];
-          if (w < 0 || scope[at(w)] != stamp || seen_[at(w)] == now_) continue;
-          const bool jumper = g_.over_jumper[at(step.to)][s];
+          const int w = g_.joined.neighbour[step.to][s];
+          if (w < 0 || scope[w] != stamp || seen_[w] == now_) continue;
+          const bool jumper = g_.over_jumper[step.to][s];
           (jumper && !mixed ? late : front).push_back({step.to, w, jumper});
         }
       }
@@ -65,40 +65,39 @@ class TreeDivision {
 
   // Finds the cheapest parts that the tree allows, exactly: by node and weight of the part at it, the most that joining
   // saves. Numbers the parts from `first` on and returns their number.
-  int divide(int first, std::vector<int>& part_of) {
+  int divide(int first, Numbers& part_of) {
     for (const int v : order_) {
-      saved_[at(v)][1] = 0;
-      most_[at(v)] = 1;
+      saved_[v][1] = 0;
+      most_[v] = 1;
     }
     for (std::size_t k = order_.size(); k-- > 1;) {
       choose_best(order_[k]);
-      join(order_[k], parent_[at(order_[k])]);
+      join(order_[k], parent_[order_[k]]);
     }
     choose_best(order_[0]);
     return number_parts(first, part_of);
   }
 
-  [[nodiscard]] const std::vector<int>& order() const { return order_; }
+  [[nodiscard]] const Numbers& order() const { return order_; }
 
  private:
   using Row = std::array<std::int64_t, kModulesAController + 1>;
   static constexpr std::int64_t kNever = -(std::int64_t{1} << 60);
 
   void choose_best(int v) {
-    const auto first = saved_[at(v)].begin() + 1;
-    best_[at(v)] = static_cast<int>(std::max_element(first, first + most_[at(v)]) - first) + 1;
+    const auto first = saved_[v].begin() + 1;
+    best_[v] = static_cast<int>(std::max_element(first, first + most_[v]) - first) + 1;
   }
 
   // Parts at a node weigh 1 … most_.
   void join(int child, int parent) {
-    const Row mine = saved_[at(parent)], &theirs = saved_[at(child)];
-    Row& out = saved_[at(parent)];
-    auto& taken = taken_[at(child)];
-    const std::size_t m = at(most_[at(parent)]), n = at(most_[at(child)]);
+    const Row mine = saved_[parent], &theirs = saved_[child];
+    Row& out = saved_[parent];
+    auto& taken = taken_[child];
+    const std::size_t m = at(most_[parent]), n = at(most_[child]);
     const std::size_t most = std::min(at(capacity_), m + n);
-    most_[at(parent)] = static_cast<int>(most);
-    const std::int64_t apart = theirs[at(best_[at(child)])],
-                       saves = price_.part - (by_jumper_[at(child)] ? price_.jumper : 0);
+    most_[parent] = static_cast<int>(most);
+    const std::int64_t apart = theirs[at(best_[child])], saves = price_.part - (by_jumper_[child] ? price_.jumper : 0);
     for (std::size_t w = 1; w <= most; ++w) {
       out[w] = w <= m ? mine[w] + apart : kNever;
       taken[w] = 0;
@@ -112,20 +111,20 @@ class TreeDivision {
   }
 
   // Children were joined in the reverse of the order, so the weights are read back in the order.
-  int number_parts(int first, std::vector<int>& part_of) {
-    std::vector<int>& weight = weight_;
-    weight.resize(at(g_.joined.size()));
+  int number_parts(int first, Numbers& part_of) {
+    Numbers& weight = weight_;
+    weight.resize(g_.joined.node.size());
     int parts = 0;
     for (const int v : order_) {
-      const int p = parent_[at(v)];
-      const int mine = p < 0 ? 0 : taken_[at(v)][at(weight[at(p)])];
+      const int p = parent_[v];
+      const int mine = p < 0 ? 0 : taken_[v][at(weight[p])];
       if (mine > 0) {
-        weight[at(p)] -= mine;
-        weight[at(v)] = mine;
-        part_of[at(v)] = part_of[at(p)];
+        weight[p] -= mine;
+        weight[v] = mine;
+        part_of[v] = part_of[p];
       } else {
-        weight[at(v)] = best_[at(v)];
-        part_of[at(v)] = first + parts++;
+        weight[v] = best_[v];
+        part_of[v] = first + parts++;
       }
     }
     return parts;
@@ -134,12 +133,12 @@ class TreeDivision {
   const JumperGraph& g_;
   int capacity_;
   const IntegerPrice& price_;
-  std::vector<int> order_, parent_, weight_;
-  std::vector<bool> by_jumper_;
-  std::vector<int> seen_;
-  std::vector<Row> saved_;
-  std::vector<int> best_, most_;
-  std::vector<std::array<int, kModulesAController + 1>> taken_;
+  Numbers order_, parent_, weight_;
+  Table<int, bool> by_jumper_;
+  Numbers seen_;
+  Table<int, Row> saved_;
+  Numbers best_, most_;
+  Table<int, std::array<int, kModulesAController + 1>> taken_;
   int now_ = 0;
 };
 
@@ -150,8 +149,8 @@ class JumperSearch {
       : g_(g), price_(price), random_(random), give_up_(give_up), trees_(g, capacity, price), best_(best) {}
 
   void run(std::int64_t bound) {
-    std::vector<int> part_of(at(g_.joined.size()), -1);
-    const std::vector<int> whole(at(g_.joined.size()), 0);
+    Numbers part_of(g_.joined.node.size(), -1);
+    const Numbers whole(g_.joined.node.size(), 0);
     for (int k = 0; k < kTrees && (best_.parts == 0 || (cost() > bound && !is_late())); ++k) {
       visited_nodes_ += g_.joined.size();
       trees_.draw(whole, 0, random_.below(g_.joined.size()), random_);
@@ -172,9 +171,9 @@ class JumperSearch {
   void improve(std::int64_t bound) {
     now_ = best_.part_of;
     members_.assign(at(best_.parts), {});
-    for (int v = 0; v < g_.joined.size(); ++v) members_[at(now_[at(v)])].push_back(v);
-    scope_.assign(at(g_.joined.size()), 0);
-    divided_.assign(at(g_.joined.size()), -1);
+    for (int v = 0; v < g_.joined.size(); ++v) members_[now_[v]].push_back(v);
+    scope_.assign(g_.joined.node.size(), 0);
+    divided_.assign(g_.joined.node.size(), -1);
     std::int64_t now = cost();
     const int moves = kMovesAPart * best_.parts;
     for (int k = 0; k < moves && cost() > bound; ++k) {
@@ -189,45 +188,45 @@ class JumperSearch {
   void choose() {
     ++stamp_;
     chosen_.clear();
-    take(now_[at(random_.below(g_.joined.size()))]);
+    take(now_[random_.below(g_.joined.size())]);
     const int wanted = 2 + random_.below(4);
     for (int tries = 0; tries < 32 && static_cast<int>(chosen_.size()) < wanted; ++tries) {
-      const auto& from = members_[at(chosen_[at(random_.below(static_cast<int>(chosen_.size())))])];
+      const auto& from = members_[chosen_[random_.below(static_cast<int>(chosen_.size()))]];
       const int v = from[at(random_.below(static_cast<int>(from.size())))];
-      const int w = g_.joined.neighbour[at(v)][at(random_.below(3))];
-      if (w >= 0 && scope_[at(w)] != stamp_) take(now_[at(w)]);
+      const int w = g_.joined.neighbour[v][random_.below(3)];
+      if (w >= 0 && scope_[w] != stamp_) take(now_[w]);
     }
   }
   void take(int part) {
     chosen_.push_back(part);
-    for (const int v : members_[at(part)]) scope_[at(v)] = stamp_;
+    for (const int v : members_[part]) scope_[v] = stamp_;
   }
 
   // Returns the change of the price, 0 when the move is refused.
   std::int64_t move(std::int64_t allowed) {
     choose();
     std::int64_t before = 0;
-    for (const int p : chosen_) before += price_.of(1, pieces(members_[at(p)], now_) - 1);
-    const int root = members_[at(chosen_[0])][at(random_.below(static_cast<int>(members_[at(chosen_[0])].size())))];
+    for (const int p : chosen_) before += price_.of(1, pieces(members_[p], now_) - 1);
+    const int root = members_[chosen_[0]][at(random_.below(static_cast<int>(members_[chosen_[0]].size())))];
     trees_.draw(scope_, stamp_, root, random_);
     const int parts = trees_.divide(0, divided_);
     visited_nodes_ += static_cast<long>(trees_.order().size());
-    std::vector<std::vector<int>> fresh(at(parts));
-    for (const int v : trees_.order()) fresh[at(divided_[at(v)])].push_back(v);
+    Table<int, Numbers> fresh(at(parts));
+    for (const int v : trees_.order()) fresh[divided_[v]].push_back(v);
     std::int64_t after = 0;
     for (const auto& part : fresh) after += price_.of(1, pieces(part, divided_) - 1);
     const bool take = after <= before + allowed;
-    for (const int v : trees_.order()) divided_[at(v)] = -1;
+    for (const int v : trees_.order()) divided_[v] = -1;
     if (!take) return 0;
     replace(std::move(fresh));
     return after - before;
   }
 
-  void replace(std::vector<std::vector<int>> fresh) {
+  void replace(Table<int, Numbers> fresh) {
     std::ranges::sort(chosen_);
     for (std::size_t k = 0; k < fresh.size(); ++k) {
       if (k < chosen_.size()) {
-        members_[at(chosen_[k])] = std::move(fresh[k]);
+        members_[chosen_[k]] = std::move(fresh[k]);
         renumber(chosen_[k]);
       } else {
         members_.push_back(std::move(fresh[k]));
@@ -238,14 +237,14 @@ class JumperSearch {
     for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {
       const int free = chosen_[k - 1];
       if (free + 1 < static_cast<int>(members_.size())) {
-        members_[at(free)] = std::move(members_.back());
+        members_[free] = std::move(members_.back());
         renumber(free);
       }
       members_.pop_back();
     }
   }
   void renumber(int part) {
-    for (const int v : members_[at(part)]) now_[at(v)] = part;
+    for (const int v : members_[part]) now_[v] = part;
   }
   void store() {
     best_.part_of = now_;
@@ -254,19 +253,19 @@ class JumperSearch {
   }
 
   // Returns the number of pieces of a part without its jumpers.
-  int pieces(const std::vector<int>& part, const std::vector<int>& part_of) {
-    visited_.resize(at(g_.apart.size()), 0);
+  int pieces(const Numbers& part, const Numbers& part_of) {
+    visited_.resize(g_.apart.node.size(), 0);
     ++visit_;
     int count = 0;
     for (const int start : part) {
-      if (visited_[at(start)] == visit_) continue;
+      if (visited_[start] == visit_) continue;
       ++count;
       queue_.assign(1, start);
-      visited_[at(start)] = visit_;
+      visited_[start] = visit_;
       for (std::size_t k = 0; k < queue_.size(); ++k) {
-        for (const int w : g_.apart.neighbour[at(queue_[k])]) {
-          if (w < 0 || visited_[at(w)] == visit_ || part_of[at(w)] != part_of[at(start)]) continue;
-          visited_[at(w)] = visit_;
+        for (const int w : g_.apart.neighbour[queue_[k]]) {
+          if (w < 0 || visited_[w] == visit_ || part_of[w] != part_of[start]) continue;
+          visited_[w] = visit_;
           queue_.push_back(w);
         }
       }
@@ -280,16 +279,15 @@ class JumperSearch {
   const std::function<bool()>& give_up_;
   TreeDivision trees_;
   JumperDivision& best_;
-  std::vector<int> now_, scope_, divided_, chosen_, visited_, queue_;
-  std::vector<std::vector<int>> members_;
+  Numbers now_, scope_, divided_, chosen_, visited_, queue_;
+  Table<int, Numbers> members_;
   int stamp_ = 0, visit_ = 0;
   long visited_nodes_ = 0;
 };
 
 }  // namespace
 
-bool JumperDivision::offer(const JumperGraph& g, const IntegerPrice& price, const std::vector<int>& other,
-                           int other_parts) {
+bool JumperDivision::offer(const JumperGraph& g, const IntegerPrice& price, const Numbers& other, int other_parts) {
   const int other_jumpers = jumpers_of(g, other, other_parts);
   if (parts > 0 && price.of(other_parts, other_jumpers) >= price.of(parts, jumpers)) return false;
   part_of = other;

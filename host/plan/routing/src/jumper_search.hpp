@@ -11,11 +11,11 @@ namespace triskin::routing {
 
 /// Every part is connected in `joined`.
 struct JumperDivision {
-  std::vector<int> part_of;  ///< Each local node has its part, 0 … parts − 1.
+  Numbers part_of;  ///< Each local node has its part, 0 … parts − 1.
   int parts = 0, jumpers = 0;
 
   /// Takes another division if it is cheaper, or if there is none yet; returns whether it did.
-  bool offer(const JumperGraph& g, const IntegerPrice& price, const std::vector<int>& other, int other_parts);
+  bool offer(const JumperGraph& g, const IntegerPrice& price, const Numbers& other, int other_parts);
 };
 
 /// Improves a division of the graph, or makes one, into parts of at most `capacity` ≤ 16 nodes until it costs no more

@@ -25,12 +25,12 @@ int LineAssigner::number(const Fill& fill) {
 const std::vector<LineAssigner::Way>& LineAssigner::ways(int a, int b) {
   const auto [found, is_new] = ways_.try_emplace({a, b});
   if (!is_new) return found->second;
-  const Fill first = fills_[static_cast<std::size_t>(a)], second = fills_[static_cast<std::size_t>(b)];
-  std::vector<int> onto(static_cast<std::size_t>(lines_));
+  const Fill first = fills_[a], second = fills_[b];
+  Numbers onto(static_cast<std::size_t>(lines_));
   std::iota(onto.begin(), onto.end(), 0);
   do {
     Fill sum = first;
-    for (std::size_t l = 0; l < sum.size(); ++l) sum[static_cast<std::size_t>(onto[l])] += second[l];
+    for (std::size_t l = 0; l < sum.size(); ++l) sum[onto[l]] += second[l];
     if (*std::ranges::max_element(sum) > per_line_) continue;
     std::ranges::sort(sum, std::greater<>());
     const int s = number(sum);
@@ -40,21 +40,20 @@ const std::vector<LineAssigner::Way>& LineAssigner::ways(int a, int b) {
 }
 
 // tables_[v][k] has the fills of v with its first k children; each step keeps the cheapest way to a fill.
-void LineAssigner::solve(const std::vector<int>& parent) {
+void LineAssigner::solve(const Numbers& parent) {
   children_.assign(parent.size(), {});
   tables_.assign(parent.size(), {});
-  for (std::size_t v = 1; v < parent.size(); ++v)
-    children_[static_cast<std::size_t>(parent[v])].push_back(static_cast<int>(v));
+  for (std::size_t v = 1; v < parent.size(); ++v) children_[parent[v]].push_back(static_cast<int>(v));
   Fill one(static_cast<std::size_t>(lines_), 0);
   one[0] = 1;
   const int alone = number(one);
   for (std::size_t v = parent.size(); v-- > 0;) {
     tables_[v].push_back({{alone, 0, 0, 0, nullptr}});
     for (const int c : children_[v]) {
-      Table next;
+      Entries next;
       for (const Entry& mine : tables_[v].back()) {
-        for (const Entry& below : tables_[static_cast<std::size_t>(c)].back()) {
-          const int cost = mine.cost + below.cost + used_[static_cast<std::size_t>(below.fill)];
+        for (const Entry& below : tables_[c].back()) {
+          const int cost = mine.cost + below.cost + used_[below.fill];
           for (const Way& way : ways(mine.fill, below.fill)) {
             const auto old = std::ranges::find(next, way.sum, &Entry::fill);
             if (old == next.end())
@@ -70,35 +69,35 @@ void LineAssigner::solve(const std::vector<int>& parent) {
   if (tables_[0].back().empty()) throw std::logic_error("line assignment: more nodes than the lines carry");
 }
 
-int LineAssigner::min_hops(const std::vector<int>& parent) {
+int LineAssigner::min_hops(const Numbers& parent) {
   solve(parent);
   return std::ranges::min_element(tables_[0].back(), {}, by_cost)->cost;
 }
 
-LineAssignment LineAssigner::assign(const std::vector<int>& parent) {
+LineAssignment LineAssigner::assign(const Numbers& parent) {
   solve(parent);
   const Entry& best = *std::ranges::min_element(tables_[0].back(), {}, by_cost);
-  LineAssignment result{std::vector<int>(parent.size(), -1), best.cost};
-  std::vector<int> physical(static_cast<std::size_t>(lines_));
+  LineAssignment result{Numbers(parent.size(), -1), best.cost};
+  Numbers physical(static_cast<std::size_t>(lines_));
   std::iota(physical.begin(), physical.end(), 0);
   read_back(0, best.fill, physical, result.line);
   return result;
 }
 
 // `physical[position]` is the line at this position of the sorted fill.
-void LineAssigner::read_back(std::size_t v, int fill, std::vector<int> physical, std::vector<int>& line) const {
+void LineAssigner::read_back(std::size_t v, int fill, Numbers physical, Numbers& line) const {
   for (std::size_t k = children_[v].size(); k > 0; --k) {
     const Entry& e = *std::ranges::find(tables_[v][k], fill, &Entry::fill);
     // Sorting moved the lines, so we search which position of the sum each position of `before` became.
-    Fill sum = fills_[static_cast<std::size_t>(e.before)];
-    const Fill& child = fills_[static_cast<std::size_t>(e.child)];
-    for (std::size_t l = 0; l < sum.size(); ++l) sum[static_cast<std::size_t>(e.way->onto[l])] += child[l];
+    Fill sum = fills_[e.before];
+    const Fill& child = fills_[e.child];
+    for (std::size_t l = 0; l < sum.size(); ++l) sum[e.way->onto[l]] += child[l];
     std::vector<std::size_t> order(sum.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return sum[a] > sum[b]; });
-    std::vector<int> before(sum.size()), below(sum.size());
+    Numbers before(sum.size()), below(sum.size());
     for (std::size_t p = 0; p < order.size(); ++p) before[order[p]] = physical[p];
-    for (std::size_t l = 0; l < sum.size(); ++l) below[l] = before[static_cast<std::size_t>(e.way->onto[l])];
+    for (std::size_t l = 0; l < sum.size(); ++l) below[l] = before[e.way->onto[l]];
     read_back(static_cast<std::size_t>(children_[v][k - 1]), e.child, below, line);
     fill = e.before;
     physical = before;
@@ -106,11 +105,11 @@ void LineAssigner::read_back(std::size_t v, int fill, std::vector<int> physical,
   line[v] = physical[0];
 }
 
-int LineAssigner::bound(const std::vector<int>& parent) const {
-  std::vector<int> size(parent.size(), 1);
+int LineAssigner::bound(const Numbers& parent) const {
+  Numbers size(parent.size(), 1);
   int sum = 0;
   for (std::size_t v = parent.size(); v-- > 1;) {
-    size[static_cast<std::size_t>(parent[v])] += size[v];
+    size[parent[v]] += size[v];
     sum += (size[v] + per_line_ - 1) / per_line_;
   }
   return sum;

@@ -5,13 +5,13 @@
 #include <map>
 #include <vector>
 
-#include "triskin/routing/routing.hpp"
+#include "local_graph.hpp"
 
 namespace triskin::routing {
 
 struct LineAssignment {
-  std::vector<int> line;  ///< Each node has its line, and at most `per_line` nodes share one.
-  int line_hops = 0;      ///< The sum over the edges counts how many lines are used below each.
+  Numbers line;       ///< Each node has its line, and at most `per_line` nodes share one.
+  int line_hops = 0;  ///< The sum over the edges counts how many lines are used below each.
 };
 
 /// Finds the fewest line hops of a rooted tree, exactly: dynamic programme bottom-up over the sorted numbers of nodes
@@ -21,35 +21,35 @@ struct LineAssignment {
 class LineAssigner {
  public:
   LineAssigner(int lines, int per_line) : lines_(lines), per_line_(per_line) {}
-  [[nodiscard]] int min_hops(const std::vector<int>& parent);
-  [[nodiscard]] LineAssignment assign(const std::vector<int>& parent);
+  [[nodiscard]] int min_hops(const Numbers& parent);
+  [[nodiscard]] LineAssignment assign(const Numbers& parent);
   /// Returns Σ over edges of ⌈size below / per_line⌉ ≤ min_hops.
-  [[nodiscard]] int bound(const std::vector<int>& parent) const;
+  [[nodiscard]] int bound(const Numbers& parent) const;
 
  private:
-  using Fill = std::vector<int>;  // A fill counts the nodes on each line, the largest first.
-  struct Way {                    // Adds two fills so that line l of the second lies on line onto[l] of the first.
+  using Fill = Numbers;  // A fill counts the nodes on each line, the largest first.
+  struct Way {           // Adds two fills so that line l of the second lies on line onto[l] of the first.
     int sum = 0;
-    std::vector<int> onto;
+    Numbers onto;
   };
   struct Entry {
     int fill = 0, cost = 0, before = 0, child = 0;
     const Way* way = nullptr;
   };
-  using Table = std::vector<Entry>;
+  using Entries = std::vector<Entry>;
 
   int number(const Fill& fill);
   const std::vector<Way>& ways(int a, int b);
-  void solve(const std::vector<int>& parent);
-  void read_back(std::size_t v, int fill, std::vector<int> physical, std::vector<int>& line) const;
+  void solve(const Numbers& parent);
+  void read_back(std::size_t v, int fill, Numbers physical, Numbers& line) const;
 
   int lines_, per_line_;
-  std::vector<Fill> fills_;
-  std::vector<int> used_;
+  Table<int, Fill> fills_;
+  Numbers used_;
   std::map<Fill, int> numbers_;
   std::map<std::pair<int, int>, std::vector<Way>> ways_;
-  std::vector<std::vector<int>> children_;
-  std::vector<std::vector<Table>> tables_;
+  Table<int, Numbers> children_;
+  Table<int, std::vector<Entries>> tables_;
 };
 
 }  // namespace triskin::routing

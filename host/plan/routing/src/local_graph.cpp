@@ -7,17 +7,17 @@ namespace triskin::routing {
 namespace {
 
 // `neighbours_of(node)` returns those over its three sides, −1 for none.
-std::vector<std::vector<int>> components(std::size_t nodes, const auto& neighbours_of) {
-  std::vector<std::vector<int>> result;
-  std::vector<bool> seen(nodes, false);
+Table<int, Numbers> components(std::size_t nodes, const auto& neighbours_of) {
+  Table<int, Numbers> result;
+  Table<int, bool> seen(nodes, false);
   for (std::size_t start = 0; start < nodes; ++start) {
     if (seen[start]) continue;
-    std::vector<int> component{static_cast<int>(start)};
+    Numbers component{static_cast<int>(start)};
     seen[start] = true;
     for (std::size_t k = 0; k < component.size(); ++k) {
       for (const int w : neighbours_of(component[k])) {
-        if (w < 0 || seen[at(w)]) continue;
-        seen[at(w)] = true;
+        if (w < 0 || seen[w]) continue;
+        seen[w] = true;
         component.push_back(w);
       }
     }
@@ -29,7 +29,7 @@ std::vector<std::vector<int>> components(std::size_t nodes, const auto& neighbou
 
 }  // namespace
 
-LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes) {
+LocalGraph localize(const ModuleGraph& graph, Numbers nodes) {
   std::ranges::sort(nodes);
   LocalGraph g{std::move(nodes), {}};
   g.neighbour.reserve(g.node.size());
@@ -45,34 +45,33 @@ LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes) {
   return g;
 }
 
-std::vector<std::vector<int>> components(const ModuleGraph& graph) {
+Table<int, Numbers> components(const ModuleGraph& graph) {
   return components(graph.nodes.size(), [&](int v) { return graph.nodes[at(v)].neighbour; });
 }
 
-std::vector<std::vector<int>> components(const LocalGraph& graph) {
-  return components(graph.neighbour.size(), [&](int v) { return graph.neighbour[at(v)]; });
+Table<int, Numbers> components(const LocalGraph& graph) {
+  return components(graph.neighbour.size(), [&](int v) { return graph.neighbour[v]; });
 }
 
-void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,
-                 SpanningTree& tree) {
+void random_tree(const LocalGraph& g, const Numbers& part_of, int part, int root, Dice& random, SpanningTree& tree) {
   constexpr int kUnseen = -2;
   tree.order.clear();
-  tree.parent.assign(at(g.size()), kUnseen);
+  tree.parent.assign(g.node.size(), kUnseen);
   // A stack of joints (from, to): popping the top goes deep, popping elsewhere spreads.
-  std::vector<std::array<int, 2>> front{{-1, root}};
+  Table<int, std::array<int, 2>> front{{-1, root}};
   const int depth_first_of_8 = random.below(9);
   while (!front.empty()) {
     if (random.below(8) >= depth_first_of_8)
-      std::swap(front[at(random.below(static_cast<int>(front.size())))], front.back());
+      std::swap(front[random.below(static_cast<int>(front.size()))], front.back());
     const auto [from, v] = front.back();
     front.pop_back();
-    if (tree.parent[at(v)] != kUnseen) continue;
-    tree.parent[at(v)] = from;
+    if (tree.parent[v] != kUnseen) continue;
+    tree.parent[v] = from;
     tree.order.push_back(v);
     const int first = random.below(3);
     for (int k = 0; k < 3; ++k) {
-      const int w = g.neighbour[at(v)][at((first + k) % 3)];
-      if (w >= 0 && part_of[at(w)] == part && tree.parent[at(w)] == kUnseen) front.push_back({v, w});
+      const int w = g.neighbour[v][(first + k) % 3];
+      if (w >= 0 && part_of[w] == part && tree.parent[w] == kUnseen) front.push_back({v, w});
     }
   }
 }

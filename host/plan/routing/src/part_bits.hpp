@@ -16,7 +16,7 @@ struct PartBits {
 
   explicit PartBits(const LocalGraph& g) : n(g.size()), all(n == 32 ? ~0U : (1U << n) - 1U) {
     for (int v = 0; v < n; ++v) {
-      for (const int w : g.neighbour[at(v)]) joined[at(v)] |= w >= 0 ? 1U << w : 0U;
+      for (const int w : g.neighbour[v]) joined[at(v)] |= w >= 0 ? 1U << w : 0U;
     }
   }
   void cut(int a, int b) {
@@ -28,7 +28,7 @@ struct PartBits {
     std::uint32_t seen = seeds & allowed, front = seen;
     while (front != 0) {
       std::uint32_t next = 0;
-      for (; front != 0; front &= front - 1) next |= joined[static_cast<std::size_t>(std::countr_zero(front))];
+      for (; front != 0; front &= front - 1) next |= joined[at(std::countr_zero(front))];
       front = next & allowed & ~seen;
       seen |= front;
     }
@@ -40,7 +40,7 @@ struct PartBits {
     int sum = 0;
     for (int depth = 1; front != 0; ++depth) {
       std::uint32_t next = 0;
-      for (; front != 0; front &= front - 1) next |= joined[static_cast<std::size_t>(std::countr_zero(front))];
+      for (; front != 0; front &= front - 1) next |= joined[at(std::countr_zero(front))];
       front = next & allowed & ~seen;
       seen |= front;
       sum += depth * std::popcount(front);

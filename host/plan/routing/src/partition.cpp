@@ -15,7 +15,7 @@ constexpr long kExactBudget = 2'000'000;  // The budget counts state transitions
 class Partitioner {
  public:
   Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, const std::function<bool()>& give_up)
-      : g_(g), capacity_(capacity), give_up_(give_up), random_(seed), whole_(at(g.size()), 0) {}
+      : g_(g), capacity_(capacity), give_up_(give_up), random_(seed), whole_(g.node.size(), 0) {}
 
   Partition run() {
     const int by_size = (g_.size() + capacity_ - 1) / capacity_;
@@ -32,22 +32,22 @@ class Partitioner {
   [[nodiscard]] bool met() const { return best_.parts == best_.lower_bound; }
   [[nodiscard]] bool is_done() const { return met() || (give_up_ && give_up_()); }
 
-  void offer(const std::vector<int>& part_of, int parts) {
+  void offer(const Numbers& part_of, int parts) {
     if (best_.parts > 0 && parts >= best_.parts) return;
     best_.part_of = part_of;
     best_.parts = parts;
   }
-  void offer(const std::vector<std::vector<int>>& parts) {
-    std::vector<int> part_of(at(g_.size()), -1);
+  void offer(const Table<int, Numbers>& parts) {
+    Numbers part_of(g_.node.size(), -1);
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      for (const int v : parts[p]) part_of[at(v)] = static_cast<int>(p);
+      for (const int v : parts[p]) part_of[v] = static_cast<int>(p);
     }
     offer(part_of, static_cast<int>(parts.size()));
   }
 
   void try_trees() {
     SpanningTree tree;
-    std::vector<int> part_of;
+    Numbers part_of;
     for (int k = 0; k < kTrees && (k == 0 || !is_done()); ++k) {
       random_tree(g_, whole_, 0, random_.below(g_.size()), random_, tree);
       const int parts = cut_tree(g_, tree, capacity_, part_of);
@@ -57,7 +57,7 @@ class Partitioner {
 
   // Tries downwards from the best, so that a large patch that misses the bound still ends near it.
   void try_peel(long budget) {
-    std::vector<int> part_of;
+    Numbers part_of;
     if (peel(g_, capacity_, best_.lower_bound, budget, random_, part_of)) return offer(part_of, best_.lower_bound);
     while (best_.parts > best_.lower_bound + 1 && !is_done() &&
            peel(g_, capacity_, best_.parts - 1, budget / 2, random_, part_of)) {
@@ -82,37 +82,37 @@ class Partitioner {
   int capacity_;
   const std::function<bool()>& give_up_;
   Dice random_;
-  std::vector<int> whole_;
+  Numbers whole_;
   Partition best_;
 };
 
 }  // namespace
 
-int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of) {
-  std::vector<int> weight(at(g.size()), 1);
-  std::vector<std::array<int, 3>> children(at(g.size()), {-1, -1, -1});
-  std::vector<int> count(at(g.size()), 0);
-  std::vector<bool> is_root(at(g.size()), false);
+int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, Numbers& part_of) {
+  Numbers weight(g.node.size(), 1);
+  Table<int, Triple<int>> children(g.node.size(), {-1, -1, -1});
+  Numbers count(g.node.size(), 0);
+  Table<int, bool> is_root(g.node.size(), false);
   for (auto v = tree.order.rbegin(); v != tree.order.rend(); ++v) {
-    auto& mine = children[at(*v)];
-    int& n = count[at(*v)];
+    auto& mine = children[*v];
+    int& n = count[*v];
     std::sort(mine.begin(), mine.begin() + n,
-              [&](int a, int b) { return std::pair(weight[at(a)], a) < std::pair(weight[at(b)], b); });
-    for (int k = 0; k < n; ++k) weight[at(*v)] += weight[at(mine[at(k)])];
-    while (weight[at(*v)] > capacity) {
-      const int heaviest = mine[at(--n)];
-      weight[at(*v)] -= weight[at(heaviest)];
-      is_root[at(heaviest)] = true;
+              [&](int a, int b) { return std::pair(weight[a], a) < std::pair(weight[b], b); });
+    for (int k = 0; k < n; ++k) weight[*v] += weight[mine[k]];
+    while (weight[*v] > capacity) {
+      const int heaviest = mine[--n];
+      weight[*v] -= weight[heaviest];
+      is_root[heaviest] = true;
     }
-    const int p = tree.parent[at(*v)];
+    const int p = tree.parent[*v];
     if (p >= 0)
-      children[at(p)][at(count[at(p)]++)] = *v;
+      children[p][count[p]++] = *v;
     else
-      is_root[at(*v)] = true;
+      is_root[*v] = true;
   }
-  part_of.assign(at(g.size()), -1);
+  part_of.assign(g.node.size(), -1);
   int parts = 0;
-  for (const int v : tree.order) part_of[at(v)] = is_root[at(v)] ? parts++ : part_of[at(tree.parent[at(v)])];
+  for (const int v : tree.order) part_of[v] = is_root[v] ? parts++ : part_of[tree.parent[v]];
   return parts;
 }
 

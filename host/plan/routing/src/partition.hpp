@@ -10,7 +10,7 @@ namespace triskin::routing {
 
 struct Partition {
   /// Each local node has its part, 0 … parts − 1; every part is connected and has at most `capacity` nodes.
-  std::vector<int> part_of;
+  Numbers part_of;
   int parts = 0;
   int lower_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;
@@ -24,11 +24,11 @@ struct Partition {
 
 /// Cuts a spanning tree bottom-up: if a subtree exceeds the capacity, its heaviest branch becomes a part. This gives
 /// the fewest parts for the tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.
-int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of);
+int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, Numbers& part_of);
 
 /// Peels off parts of capacity − slack … capacity nodes, each a subtree of a random spanning tree of the rest, so
 /// that both stay connected; when stuck, gives some neighbouring parts back and continues. Returns true and fills
 /// part_of when k parts are enough.
-bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of);
+bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, Numbers& part_of);
 
 }  // namespace triskin::routing

@@ -11,9 +11,9 @@ constexpr int kLeft = -1;  // Unassigned nodes have this part number.
 
 class Peeler {
  public:
-  Peeler(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of)
-      : g_(g), capacity_(capacity), k_(k), budget_(budget), random_(random), part_of_(part_of), weight_(at(g.size())) {
-    part_of_.assign(at(g.size()), kLeft);
+  Peeler(const LocalGraph& g, int capacity, int k, long budget, Dice& random, Numbers& part_of)
+      : g_(g), capacity_(capacity), k_(k), budget_(budget), random_(random), part_of_(part_of), weight_(g.node.size()) {
+    part_of_.assign(g.node.size(), kLeft);
     left_ = g.size();
     for (int p = k - 1; p >= 0; --p) unused_.push_back(p);
   }
@@ -39,7 +39,7 @@ class Peeler {
   [[nodiscard]] int some_left_node() {
     for (;;) {
       const int v = random_.below(g_.size());
-      if (part_of_[at(v)] == kLeft) return v;
+      if (part_of_[v] == kLeft) return v;
       if (++misses_ % 64 == 0) return static_cast<int>(std::ranges::find(part_of_, kLeft) - part_of_.begin());
     }
   }
@@ -51,13 +51,13 @@ class Peeler {
     random_tree(g_, part_of_, kLeft, some_left_node(), random_, tree_);
     budget_ -= left_;
     const int lightest = std::max(1, capacity_ - slack);
-    for (const int v : tree_.order) weight_[at(v)] = 1;
+    for (const int v : tree_.order) weight_[v] = 1;
     for (auto v = tree_.order.rbegin(); v != tree_.order.rend(); ++v) {
-      if (tree_.parent[at(*v)] >= 0) weight_[at(tree_.parent[at(*v)])] += weight_[at(*v)];
+      if (tree_.parent[*v] >= 0) weight_[tree_.parent[*v]] += weight_[*v];
     }
     candidates_.clear();
     for (const int v : tree_.order) {
-      const int below = weight_[at(v)], above = left_ - below;
+      const int below = weight_[v], above = left_ - below;
       if (below >= lightest && below <= capacity_)
         candidates_.push_back(v);
       else if (above >= lightest && above <= capacity_)
@@ -65,8 +65,8 @@ class Peeler {
     }
     // Full parts come first, so that slack is spent only when it must be.
     for (int tries = 0; tries < 3 && !candidates_.empty(); ++tries) {
-      int best = candidates_[at(random_.below(static_cast<int>(candidates_.size())))];
-      const int other = candidates_[at(random_.below(static_cast<int>(candidates_.size())))];
+      int best = candidates_[random_.below(static_cast<int>(candidates_.size()))];
+      const int other = candidates_[random_.below(static_cast<int>(candidates_.size()))];
       if (size_of(other) > size_of(best)) best = other;
       if (take(best)) return true;
     }
@@ -74,26 +74,26 @@ class Peeler {
   }
 
   [[nodiscard]] int size_of(int v) const {
-    const int below = weight_[at(v)];
+    const int below = weight_[v];
     return below <= capacity_ ? below : left_ - below;
   }
 
   // Makes the subtree of v, or everything else, a part; undoes it if the remaining nodes then need more than k parts.
   bool take(int v) {
-    const bool subtree = weight_[at(v)] <= capacity_;
+    const bool subtree = weight_[v] <= capacity_;
     const int part = unused_.back();
-    mark_.assign(at(g_.size()), false);
-    mark_[at(v)] = true;
+    mark_.assign(g_.node.size(), false);
+    mark_[v] = true;
     for (const int u : tree_.order) {
-      if (tree_.parent[at(u)] >= 0 && mark_[at(tree_.parent[at(u)])]) mark_[at(u)] = true;
+      if (tree_.parent[u] >= 0 && mark_[tree_.parent[u]]) mark_[u] = true;
     }
     for (const int u : tree_.order) {
-      if (mark_[at(u)] == subtree) part_of_[at(u)] = part;
+      if (mark_[u] == subtree) part_of_[u] = part;
     }
     budget_ -= left_;
     const int rest = left_ - size_of(v);
     if (rest > 0 && folded_lower_bound(g_, part_of_, kLeft, capacity_) > static_cast<int>(unused_.size()) - 1) {
-      for (const int u : tree_.order) part_of_[at(u)] = kLeft;
+      for (const int u : tree_.order) part_of_[u] = kLeft;
       return false;
     }
     unused_.pop_back();
@@ -106,14 +106,14 @@ class Peeler {
     for (int k = 0; k < count; ++k) {
       candidates_.clear();
       for (int v = 0; v < g_.size(); ++v) {
-        if (part_of_[at(v)] != kLeft) continue;
-        for (const int w : g_.neighbour[at(v)]) {
-          if (w >= 0 && part_of_[at(w)] != kLeft) candidates_.push_back(part_of_[at(w)]);
+        if (part_of_[v] != kLeft) continue;
+        for (const int w : g_.neighbour[v]) {
+          if (w >= 0 && part_of_[w] != kLeft) candidates_.push_back(part_of_[w]);
         }
       }
       budget_ -= g_.size();
       if (candidates_.empty()) return;
-      const int part = candidates_[at(random_.below(static_cast<int>(candidates_.size())))];
+      const int part = candidates_[random_.below(static_cast<int>(candidates_.size()))];
       for (int& p : part_of_) {
         if (p != part) continue;
         p = kLeft;
@@ -127,9 +127,9 @@ class Peeler {
   int capacity_, k_;
   long budget_;
   Dice& random_;
-  std::vector<int>& part_of_;
-  std::vector<int> unused_, weight_, candidates_;
-  std::vector<bool> mark_;
+  Numbers& part_of_;
+  Numbers unused_, weight_, candidates_;
+  Table<int, bool> mark_;
   SpanningTree tree_;
   int left_ = 0;
   unsigned misses_ = 0;
@@ -137,7 +137,7 @@ class Peeler {
 
 }  // namespace
 
-bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of) {
+bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, Numbers& part_of) {
   return Peeler(g, capacity, k, budget, random, part_of).run();
 }
 

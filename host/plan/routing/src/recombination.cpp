@@ -30,7 +30,7 @@ int pick(std::uint32_t set, Dice& random) {
 class Recombiner {
  public:
   Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Dice& random,
-             Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper)
+             Partition& partition, const Table<int, Triple<bool>>* over_jumper)
       : g_(g),
         over_jumper_(over_jumper),
         capacity_(options.capacity),
@@ -38,21 +38,21 @@ class Recombiner {
         p_(partition),
         members_(at(partition.parts)),
         cost_(at(partition.parts)),
-        border_(at(g.size()), false),
-        cable_cm_(at(g.size()), 0),
-        slot_(at(g.size()), -1) {
+        border_(g.node.size(), false),
+        cable_cm_(g.node.size(), 0),
+        slot_(g.node.size(), -1) {
     for (int v = 0; v < g.size(); ++v) {
-      members_[at(p_.part_of[at(v)])].push_back(v);
-      for (int s = 0; s < 3; ++s) border_[at(v)] = border_[at(v)] || is_border(graph, g.node[at(v)], s);
+      members_[p_.part_of[v]].push_back(v);
+      for (int s = 0; s < 3; ++s) border_[v] = border_[v] || is_border(graph, g.node[v], s);
       if (options.has_controller_place)
-        cable_cm_[at(v)] = static_cast<int>(std::lround(cable_m(graph, g.node[at(v)], options) * 100.0));
+        cable_cm_[v] = static_cast<int>(std::lround(cable_m(graph, g.node[v], options) * 100.0));
     }
     for (std::size_t k = 0; k < members_.size(); ++k) {
       load(members_[k], {});
       cost_[k] = secondary_cost(bits(), around_, bits().all);
     }
     for (int v = 0; v < g.size(); ++v) {
-      for (const int w : g.neighbour[at(v)]) {
+      for (const int w : g.neighbour[v]) {
         if (w >= 0) joints_.push_back({v, w});
       }
     }
@@ -67,21 +67,21 @@ class Recombiner {
   [[nodiscard]] const PartBits& bits() const { return *bits_; }
 
   // Loads the union of two parts as local numbers 0 … n−1; the first part's nodes come first.
-  void load(const std::vector<int>& a, const std::vector<int>& b) {
+  void load(const Numbers& a, const Numbers& b) {
     both_.node = a;
     both_.node.insert(both_.node.end(), b.begin(), b.end());
     both_.neighbour.assign(both_.node.size(), {-1, -1, -1});
     around_.border = 0;
-    for (std::size_t k = 0; k < both_.node.size(); ++k) slot_[at(both_.node[k])] = static_cast<int>(k);
+    for (std::size_t k = 0; k < both_.node.size(); ++k) slot_[both_.node[k]] = static_cast<int>(k);
     for (std::size_t k = 0; k < both_.node.size(); ++k) {
       const int v = both_.node[k];
       for (std::size_t s = 0; s < 3; ++s)
-        both_.neighbour[k][s] = g_.neighbour[at(v)][s] < 0 ? -1 : slot_[at(g_.neighbour[at(v)][s])];
-      if (border_[at(v)]) around_.border |= 1U << k;
+        both_.neighbour[k][s] = g_.neighbour[v][s] < 0 ? -1 : slot_[g_.neighbour[v][s]];
+      if (border_[v]) around_.border |= 1U << k;
       if (over_jumper_ != nullptr) mark_jumpers(k);
-      around_.cable_cm[k] = cable_cm_[at(v)];
+      around_.cable_cm[k] = cable_cm_[v];
     }
-    for (const int v : both_.node) slot_[at(v)] = -1;
+    for (const int v : both_.node) slot_[v] = -1;
     bits_.emplace(both_);
   }
 
@@ -97,14 +97,14 @@ class Recombiner {
   void move(int threshold) {
     int a = 0, b = 0;
     for (int tries = 0; tries < 64 && a == b && !joints_.empty(); ++tries) {
-      const auto& [v, w] = joints_[at(random_.below(static_cast<int>(joints_.size())))];
-      a = p_.part_of[at(v)];
-      b = p_.part_of[at(w)];
+      const auto& [v, w] = joints_[random_.below(static_cast<int>(joints_.size()))];
+      a = p_.part_of[v];
+      b = p_.part_of[w];
     }
     if (a == b) return;
-    load(members_[at(a)], members_[at(b)]);
-    first_ = members_[at(a)].size() == 32 ? ~0U : (1U << members_[at(a)].size()) - 1U;
-    now_ = cost_[at(a)] + cost_[at(b)];
+    load(members_[a], members_[b]);
+    first_ = members_[a].size() == 32 ? ~0U : (1U << members_[a].size()) - 1U;
+    now_ = cost_[a] + cost_[b];
     const std::uint32_t before = first_;
     if (random_.below(3) == 0) cut_a_tree(threshold);
     for (int k = 0; k < kExchanges; ++k) exchange(threshold);
@@ -141,42 +141,42 @@ class Recombiner {
   }
 
   void cut_a_tree(int threshold) {
-    const std::vector<int> whole(both_.node.size(), 0);
+    const Numbers whole(both_.node.size(), 0);
     random_tree(both_, whole, 0, random_.below(both_.size()), random_, tree_);
     std::array<std::uint32_t, 32> below{};
-    std::vector<int> fits;
+    Numbers fits;
     for (auto v = tree_.order.rbegin(); v != tree_.order.rend(); ++v) {
       below[at(*v)] |= bit(*v);
-      const int p = tree_.parent[at(*v)], size = std::popcount(below[at(*v)]);
+      const int p = tree_.parent[*v], size = std::popcount(below[at(*v)]);
       if (p < 0) continue;
       below[at(p)] |= below[at(*v)];
       if (size <= capacity_ && both_.size() - size <= capacity_) fits.push_back(*v);
     }
-    if (!fits.empty()) offer(below[at(fits[at(random_.below(static_cast<int>(fits.size())))])], threshold);
+    if (!fits.empty()) offer(below[at(fits[random_.below(static_cast<int>(fits.size()))])], threshold);
   }
 
   void store(int a, int b) {
-    members_[at(a)].clear();
-    members_[at(b)].clear();
+    members_[a].clear();
+    members_[b].clear();
     for (int k = 0; k < both_.size(); ++k) {
       const int part = (first_ & bit(k)) != 0 ? a : b;
-      members_[at(part)].push_back(both_.node[at(k)]);
-      p_.part_of[at(both_.node[at(k)])] = part;
+      members_[part].push_back(both_.node[k]);
+      p_.part_of[both_.node[k]] = part;
     }
-    cost_[at(a)] = secondary_cost(bits(), around_, first_);
-    cost_[at(b)] = now_ - cost_[at(a)];
+    cost_[a] = secondary_cost(bits(), around_, first_);
+    cost_[b] = now_ - cost_[a];
   }
 
   const LocalGraph& g_;
-  const std::vector<std::array<bool, 3>>* over_jumper_;
+  const Table<int, Triple<bool>>* over_jumper_;
   int capacity_;
   Dice& random_;
   Partition& p_;
-  std::vector<std::vector<int>> members_;
-  std::vector<int> cost_;
-  std::vector<bool> border_;
-  std::vector<int> cable_cm_, slot_;
-  std::vector<std::array<int, 2>> joints_;
+  Table<int, Numbers> members_;
+  Numbers cost_;
+  Table<int, bool> border_;
+  Numbers cable_cm_, slot_;
+  Table<int, std::array<int, 2>> joints_;
   LocalGraph both_;
   std::optional<PartBits> bits_;
   PartSurroundings around_;
@@ -246,7 +246,7 @@ int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::ui
 }
 
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
-               Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper) {
+               Partition& partition, const Table<int, Triple<bool>>* over_jumper) {
   if (partition.parts < 2) return;
   Recombiner(graph, g, options, random, partition, over_jumper).run(moves);
 }

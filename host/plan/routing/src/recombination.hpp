@@ -24,6 +24,6 @@ struct PartSurroundings {
 /// single modules; it is accepted under a falling threshold. `moves` is the total; about 10 µs each. `over_jumper`
 /// tells by local node and side which joints are jumpers (null: none); their number does not grow.
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
-               Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper = nullptr);
+               Partition& partition, const Table<int, Triple<bool>>* over_jumper = nullptr);
 
 }  // namespace triskin::routing

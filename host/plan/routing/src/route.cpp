@@ -56,25 +56,24 @@ int local_node(const LocalGraph& g, int node) {
 
 // Returns the shortest of the places that hold each part together, as few as possible, given what is connected without
 // them.
-std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places,
-                                   const std::vector<int>& part_of) {
+std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places, const Numbers& part_of) {
   DisjointSets sets(part_of.size());
   for (int v = 0; v < g.apart.size(); ++v) {
-    for (const int w : g.apart.neighbour[at(v)]) {
-      if (w >= 0 && part_of[at(w)] == part_of[at(v)]) sets.join(v, w);
+    for (const int w : g.apart.neighbour[v]) {
+      if (w >= 0 && part_of[w] == part_of[v]) sets.join(v, w);
     }
   }
   std::vector<Jumper> fitted;
   for (const Jumper& j : places) {
     const int a = local_node(g.joined, j.node[0]), b = local_node(g.joined, j.node[1]);
-    if (a < 0 || b < 0 || part_of[at(a)] != part_of[at(b)]) continue;
+    if (a < 0 || b < 0 || part_of[a] != part_of[b]) continue;
     if (sets.join(a, b)) fitted.push_back(j);
   }
   return fitted;
 }
 
 struct IslandDivision {
-  std::vector<int> part_of;
+  Numbers part_of;
   int parts = 0, parts_bound = 0, jumpers_bound = 0;
   PartitionProof proof = PartitionProof::kOpen;
   bool price_proved = false;
@@ -113,7 +112,7 @@ class Router {
     std::ranges::sort(result_.jumpers, {}, &Jumper::node);
   }
 
-  [[nodiscard]] std::shared_ptr<const Division> divide(const std::vector<std::vector<int>>& islands) const {
+  [[nodiscard]] std::shared_ptr<const Division> divide(const Table<int, Numbers>& islands) const {
     auto division = std::make_shared<Division>();
     division->islands.resize(islands.size());
     in_parallel(options_.threads, islands.size(), [&](std::size_t k) {
@@ -122,22 +121,22 @@ class Router {
     return division;
   }
 
-  [[nodiscard]] IslandDivision divide_island(const std::vector<int>& nodes) const {
+  [[nodiscard]] IslandDivision divide_island(const Numbers& nodes) const {
     const Partition p = partition(localize(apart_, nodes), options_.capacity, options_.seed, options_.give_up);
     return {p.part_of, p.parts, p.lower_bound, 0, p.proof, p.parts == p.lower_bound};
   }
 
-  [[nodiscard]] JumperGraph possible_jumpers(const std::vector<int>& nodes) const {
+  [[nodiscard]] JumperGraph possible_jumpers(const Numbers& nodes) const {
     return jumper_graph(possible_, apart_, nodes);
   }
-  [[nodiscard]] IslandDivision divide_with_jumpers(const std::vector<int>& nodes) const {
+  [[nodiscard]] IslandDivision divide_with_jumpers(const Numbers& nodes) const {
     const JumperPartition p = partition_with_jumpers(possible_jumpers(nodes), options_.capacity, options_.price,
                                                      options_.seed, options_.give_up);
     const PartitionProof proof = p.parts == p.parts_bound ? PartitionProof::kSize : PartitionProof::kOpen;
     return {p.part_of, p.parts, p.parts_bound, p.jumpers_bound, proof, p.proved};
   }
 
-  void route_island(const std::vector<int>& nodes, const IslandDivision& division) {
+  void route_island(const Numbers& nodes, const IslandDivision& division) {
     const LocalGraph g = localize(graph_, nodes);
     Partition p = as_partition(division);
     Dice random(options_.seed + 1);
@@ -145,7 +144,7 @@ class Router {
     wire_parts(g, p);
   }
 
-  void route_with_jumpers(const std::vector<int>& nodes, const IslandDivision& division) {
+  void route_with_jumpers(const Numbers& nodes, const IslandDivision& division) {
     fit(fitted_jumpers(possible_jumpers(nodes), places_, division.part_of));
     const JumperGraph g = jumper_graph(graph_, apart_, nodes);
     Partition p = as_partition(division);
@@ -188,7 +187,7 @@ class Router {
  private:
   static Partition as_partition(const IslandDivision& d) { return {d.part_of, d.parts, d.parts_bound, d.proof}; }
 
-  void require_division(const std::vector<std::vector<int>>& islands) const {
+  void require_division(const Table<int, Numbers>& islands) const {
     const auto& divided = result_.division->islands;
     bool same = divided.size() == islands.size();
     for (std::size_t k = 0; same && k < islands.size(); ++k) same = divided[k].part_of.size() == islands[k].size();
@@ -196,8 +195,8 @@ class Router {
   }
 
   void wire_parts(const LocalGraph& g, const Partition& p) {
-    std::vector<std::vector<int>> parts(at(p.parts));
-    for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);
+    Table<int, Numbers> parts(at(p.parts));
+    for (int v = 0; v < g.size(); ++v) parts[p.part_of[v]].push_back(g.node[v]);
     std::ranges::sort(parts);
     for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_, fitted_));
   }

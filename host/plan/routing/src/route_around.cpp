@@ -51,16 +51,16 @@ class OpenPart {
   }
 
  private:
-  [[nodiscard]] int whole(int node) const { return node < 0 ? node : node_[at(node)]; }
+  [[nodiscard]] int whole(int node) const { return node < 0 ? node : node_[node]; }
 
   // No cable reaches a side that is joined to a kept module, so border stays false there.
   [[nodiscard]] ModuleGraph::Node cut_off(ModuleGraph::Node node) const {
-    for (int& neighbour : node.neighbour) neighbour = neighbour < 0 ? -1 : local_[at(neighbour)];
+    for (int& neighbour : node.neighbour) neighbour = neighbour < 0 ? -1 : local_[neighbour];
     return node;
   }
 
-  std::vector<int> local_;  // The index is a node of the whole graph; −1 marks kept ones.
-  std::vector<int> node_;
+  Numbers local_;  // The index is a node of the whole graph; −1 marks kept ones.
+  Numbers node_;
   ModuleGraph graph_;
 };
 

@@ -16,20 +16,20 @@ class Enumerator {
       : n_(g.size()), joints_(joints_of(g)), visit_(visit), out_(joints_.size(), false) {}
 
   void run() {
-    std::vector<int> block(at(n_));
+    Numbers block(at(n_));
     std::iota(block.begin(), block.end(), 0);
     decide(0, block);
   }
 
  private:
-  void decide(std::size_t k, const std::vector<int>& block) {
+  void decide(std::size_t k, const Numbers& block) {
     if (static_cast<int>(tree_.size()) == n_ - 1) return visit_(tree_);
     if (k == joints_.size()) return;
     const Joint j = joints_[k];
-    const bool closes_cycle = block[at(j.a)] == block[at(j.b)];
+    const bool closes_cycle = block[j.a] == block[j.b];
     if (!closes_cycle) {
-      std::vector<int> joined = block;
-      for (int& b : joined) b = b == block[at(j.b)] ? block[at(j.a)] : b;
+      Numbers joined = block;
+      for (int& b : joined) b = b == block[j.b] ? block[j.a] : b;
       tree_.push_back(j);
       decide(k + 1, joined);
       tree_.pop_back();
@@ -60,7 +60,7 @@ class Enumerator {
 std::vector<Joint> joints_of(const LocalGraph& g) {
   std::vector<Joint> joints;
   for (int v = 0; v < g.size(); ++v) {
-    for (const int w : g.neighbour[at(v)]) {
+    for (const int w : g.neighbour[v]) {
       if (w > v) joints.push_back({v, w});
     }
   }

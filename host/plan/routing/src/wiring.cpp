@@ -13,22 +13,22 @@ namespace {
 using Key = std::array<int, 5>;
 
 struct RootedTree {
-  std::vector<int> order;   // Local nodes are listed with parents first.
-  std::vector<int> parent;  // Parents are positions in `order`.
-  std::vector<int> depth;   // The index is a position in `order`.
+  Numbers order;   // Local nodes are listed with parents first.
+  Numbers parent;  // Parents are positions in `order`.
+  Numbers depth;   // The index is a position in `order`.
   int sum_of_depths = 0;
   int max_depth = 0;
 };
 
 class Wirer {
  public:
-  Wirer(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines,
+  Wirer(const ModuleGraph& graph, const Numbers& part, const RoutingOptions& options, LineAssigner& lines,
         const std::vector<Jumper>& jumpers)
-      : graph_(graph), g_(localize(graph, part)), options_(options), lines_(lines), tree_(at(g_.size())) {
+      : graph_(graph), g_(localize(graph, part)), options_(options), lines_(lines), tree_(g_.node.size()) {
     std::ranges::copy_if(jumpers, std::back_inserter(jumpers_),
                          [&](const Jumper& j) { return std::ranges::binary_search(g_.node, j.node[0]); });
     for (int v = 0; v < g_.size(); ++v) {
-      for (int s = 0; s < 3; ++s) has_border_ = has_border_ || is_border(graph_, g_.node[at(v)], s);
+      for (int s = 0; s < 3; ++s) has_border_ = has_border_ || is_border(graph_, g_.node[v], s);
     }
   }
 
@@ -44,8 +44,8 @@ class Wirer {
   void load(const std::vector<Joint>& joints) {
     for (auto& n : tree_) n.clear();
     for (const Joint& j : joints) {
-      tree_[at(j.a)].push_back(j.b);
-      tree_[at(j.b)].push_back(j.a);
+      tree_[j.a].push_back(j.b);
+      tree_[j.b].push_back(j.a);
     }
   }
 
@@ -54,9 +54,9 @@ class Wirer {
   [[nodiscard]] int entry_side(int root) const {
     int fallback = -1;
     for (int s = 0; s < 3; ++s) {
-      if (is_border(graph_, g_.node[at(root)], s)) return s;
-      const int w = g_.neighbour[at(root)][at(s)];
-      if (fallback < 0 && (w < 0 || std::ranges::count(tree_[at(root)], w) == 0)) fallback = s;
+      if (is_border(graph_, g_.node[root], s)) return s;
+      const int w = g_.neighbour[root][s];
+      if (fallback < 0 && (w < 0 || std::ranges::count(tree_[root], w) == 0)) fallback = s;
     }
     return has_border_ ? -1 : fallback;
   }
@@ -67,8 +67,8 @@ class Wirer {
     now_.depth.assign(1, 0);
     now_.sum_of_depths = now_.max_depth = 0;
     for (std::size_t k = 0; k < now_.order.size(); ++k) {
-      const int from = now_.parent[k] < 0 ? -1 : now_.order[at(now_.parent[k])];
-      for (const int w : tree_[at(now_.order[k])]) {
+      const int from = now_.parent[k] < 0 ? -1 : now_.order[now_.parent[k]];
+      for (const int w : tree_[now_.order[k]]) {
         if (w == from) continue;
         now_.order.push_back(w);
         now_.parent.push_back(static_cast<int>(k));
@@ -106,9 +106,9 @@ class Wirer {
     best_violations_ = violations;
   }
 
-  [[nodiscard]] std::vector<LineElectrical> electrical(const std::vector<int>& line, int root) const {
+  [[nodiscard]] std::vector<LineElectrical> electrical(const Numbers& line, int root) const {
     std::vector<LineElectrical> state;
-    const double cable = cable_m(graph_, g_.node[at(root)], options_);
+    const double cable = cable_m(graph_, g_.node[root], options_);
     const std::vector<double> jumper_m = jumper_lengths_m();
     for (const LineLoad& load : line_loads(options_.electrical, now_.parent, line, options_.lines, cable, jumper_m)) {
       state.push_back(electrical_state(options_.electrical, load));
@@ -122,7 +122,7 @@ class Wirer {
     if (jumpers_.empty()) return {};
     std::vector<double> length_m(now_.order.size(), -1.0);
     for (std::size_t k = 1; k < now_.order.size(); ++k) {
-      const int v = g_.node[at(now_.order[k])], p = g_.node[at(now_.order[at(now_.parent[k])])];
+      const int v = g_.node[now_.order[k]], p = g_.node[now_.order[now_.parent[k]]];
       for (const Jumper& j : jumpers_) {
         if (j.node == std::array{std::min(v, p), std::max(v, p)}) length_m[k] = j.length_mm * 1e-3;
       }
@@ -132,31 +132,30 @@ class Wirer {
 
   Patch assemble() const {
     Patch patch;
-    patch.entry = g_.node[at(best_.order[0])];
+    patch.entry = g_.node[best_.order[0]];
     patch.line_hops = best_lines_.line_hops;
     patch.max_depth = best_.max_depth;
     patch.border_entry = is_border(graph_, patch.entry, best_side_);
     patch.lines = best_state_;
     patch.electrical_violations = best_violations_;
-    std::vector<int> next_address(at(options_.lines), 0), tree_parent(at(g_.size()), -1);
+    Numbers next_address(at(options_.lines), 0), tree_parent(g_.node.size(), -1);
     for (std::size_t k = 0; k < best_.order.size(); ++k) {
       RoutedModule m;
-      const int p = best_.parent[k] < 0 ? -1 : best_.order[at(best_.parent[k])];
-      m.node = g_.node[at(best_.order[k])];
-      m.parent = p < 0 ? -1 : g_.node[at(p)];
+      const int p = best_.parent[k] < 0 ? -1 : best_.order[best_.parent[k]];
+      m.node = g_.node[best_.order[k]];
+      m.parent = p < 0 ? -1 : g_.node[p];
       m.depth = best_.depth[k];
       m.line = best_lines_.line[k];
-      m.address = next_address[at(m.line)]++;
+      m.address = next_address[m.line]++;
       m.rotation = best_side_;
       for (int s = 0; s < 3 && p >= 0; ++s) {
         if (graph_.nodes[at(m.node)].neighbour[at(s)] == m.parent) m.rotation = s;
       }
-      tree_parent[at(best_.order[k])] = p;
+      tree_parent[best_.order[k]] = p;
       patch.modules.push_back(m);
     }
     for (const Joint& j : joints_of(g_)) {
-      if (tree_parent[at(j.a)] != j.b && tree_parent[at(j.b)] != j.a)
-        patch.cut_joints.push_back({g_.node[at(j.a)], g_.node[at(j.b)]});
+      if (tree_parent[j.a] != j.b && tree_parent[j.b] != j.a) patch.cut_joints.push_back({g_.node[j.a], g_.node[j.b]});
     }
     return patch;
   }
@@ -166,7 +165,7 @@ class Wirer {
   const RoutingOptions& options_;
   LineAssigner& lines_;
   std::vector<Jumper> jumpers_;  // These jumpers begin in this part.
-  std::vector<std::vector<int>> tree_;
+  Table<int, Numbers> tree_;
   bool has_border_ = false, found_ = false;
   RootedTree now_, best_;
   Key best_key_{};
@@ -192,7 +191,7 @@ double cable_m(const ModuleGraph& graph, int node, const RoutingOptions& options
   return std::sqrt(square) * 1e-3;
 }
 
-Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines,
+Patch wire(const ModuleGraph& graph, const Numbers& part, const RoutingOptions& options, LineAssigner& lines,
            const std::vector<Jumper>& jumpers) {
   return Wirer(graph, part, options, lines, jumpers).run();
 }

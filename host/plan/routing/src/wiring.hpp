@@ -11,7 +11,7 @@ namespace triskin::routing {
 /// over all spanning trees and entries, exact; with kHopsFirst the line hops come before Σ depth. Trees that cannot
 /// win by ⌈size / addresses⌉ are not assigned. Ties are won by the first tree and the least node. `lines` must fit
 /// the options. `jumpers` tells which joints of the graph are jumpers, for their capacitance.
-[[nodiscard]] Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options,
+[[nodiscard]] Patch wire(const ModuleGraph& graph, const Numbers& part, const RoutingOptions& options,
                          LineAssigner& lines, const std::vector<Jumper>& jumpers = {});
 
 /// Returns the metres of entry cable to a module: from the controller place if one is given.
