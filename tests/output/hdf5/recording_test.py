@@ -42,6 +42,14 @@ def read(hdf5, text_file):
         return {name: recorded[name][:] for name in recorded if name != "design"}, list(csv.DictReader(file))
 
 
+def full_disk(folder):
+    """A file that may not grow above 100 kB stands for a full disk: status 2, and the samples before it are there."""
+    environment = dict(os.environ, XDG_STATE_HOME=folder)
+    run = subprocess.run(["prlimit", "--fsize=100000", sys.argv[1], "record", "strip.json", "--link", "sim", "--seconds", "30", "-o", "full.h5"],
+                         cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 2 and "full.h5" in run.stderr, (run.returncode, run.stderr)
+
+
 def main():
     if sys.argv[1] == "--compare":
         compare(*read(sys.argv[2], sys.argv[3]))
@@ -60,8 +68,15 @@ def main():
             assert text(recorded.attrs["format"]) == "triskin-recording" and text(recorded.attrs["result_status"]) == "complete"
             assert text(recorded.attrs["simulated"]) == "true" and all(row["simulated"] == "1" for row in rows)
             assert text(recorded.attrs["link"]) == "sim" and text(recorded["value"].attrs["unit"]) == "counts"
+            # Text is text and numbers are numbers to a reader that knows nothing of us.
+            for name in ("format", "design_id", "link", "program", "result_status"):
+                assert isinstance(recorded.attrs[name], str), (name, type(recorded.attrs[name]))
+            assert recorded.attrs["version"] == 1 and recorded.attrs["result_samples"] == len(rows)
+            assert recorded.attrs["result_lost"] == 0 and 1.9 < float(recorded.attrs["result_seconds"]) < 2.3
+            assert recorded.attrs["unix_start_ns"].dtype.kind == "u" and recorded.attrs["unix_start_ns"] > 1.6e18
             design = json.loads(text(recorded["design"][()]))
             assert design["design_id"] == text(recorded.attrs["design_id"])
+        full_disk(folder)
         assert "mcap or csv" in triskin(folder, "record", "strip.json", "--link", "sim", "--format", "hdf5", "-o", "-", status=2)
         assert "choose one" in triskin(folder, "record", "strip.json", "--link", "sim", "--format", "csv", "-o", "b.h5", status=2)
     print("the recordings agree")

@@ -235,10 +235,13 @@ xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}{
 
 TEST_F(Formats, ThreeMfSaysItsUnit) {
   for (const auto& [unit, mm] : {std::pair{"unit=\"inch\"", 25.4}, {"unit='centimeter'", 10.0}, {"", 1.0}}) {
-    const MeshFile read = read_mesh(package("m.3mf", model_3mf(unit)));
-    EXPECT_TRUE(read.report.unit_from_file) << unit;
-    EXPECT_NEAR(area(read.mesh), 1000.0 * mm * mm, 1e-3 * mm * mm) << unit;
+    EXPECT_NEAR(area(read_body(package("m.3mf", model_3mf(unit)))), 1000.0 * mm * mm, 1e-3 * mm * mm) << unit;
   }
+  EXPECT_TRUE(read_mesh(package("m.3mf", model_3mf(""))).report.unit_from_file);
+  // A part of 1.9 m is asked about, also if the file states its unit; who confirms it gets it.
+  const fs::path large = package("m.3mf", model_3mf("unit=\"inch\""));
+  EXPECT_THROW((void)read_mesh(large), InputError);
+  EXPECT_DOUBLE_EQ(read_mesh(large, LengthUnit::kInch).report.scale_to_mm, 25.4);
 }
 
 TEST_F(Formats, OneObjectOfA3mf) {

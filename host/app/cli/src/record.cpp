@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -41,7 +43,47 @@ struct Options {
   CalibrationOptions calibration;
   double seconds = 10.0;
   double cloud_hz = 5.0;
+  std::string split;
 };
+
+// When a file ends and the next one begins; 0: never.
+struct Split {
+  std::uint64_t bytes = 0, link_us = 0;
+  [[nodiscard]] bool is_set() const { return bytes > 0 || link_us > 0; }
+};
+
+// "200MB" or "10min".
+Split split_of(const std::string& text) {
+  static const std::map<std::string, double> kBytes{{"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}};
+  static const std::map<std::string, double> kMicroseconds{{"s", 1e6}, {"min", 60e6}, {"h", 3600e6}};
+  Split split;
+  if (text.empty()) return split;
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string unit(end, text.data() + text.size());
+  if (error == std::errc{} && number > 0.0 && number < 1e9) {
+    if (const auto found = kBytes.find(unit); found != kBytes.end())
+      split.bytes = static_cast<std::uint64_t>(number * found->second);
+    if (const auto found = kMicroseconds.find(unit); found != kMicroseconds.end())
+      split.link_us = static_cast<std::uint64_t>(number * found->second);
+  }
+  constexpr std::uint64_t kMinBytes = 100'000, kMinTime_us = 1'000'000;
+  if ((split.bytes < kMinBytes && split.link_us < kMinTime_us))
+    throw InputError(fmt::format(
+        "--split {}: give a size of at least 100kB or a time of at least 1s, as 200MB, 1GB, 90s, 10min or 2h", text));
+  return split;
+}
+
+// Closing a recording takes its open chunk (1 MB) and its summary; a few times that is kept free on the disk.
+constexpr std::uintmax_t kKeptFree_bytes = 4'000'000;
+
+// Free space on the disk of a file in bytes; the largest number if that cannot be known, as for a pipe.
+std::uintmax_t free_beside(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return ~std::uintmax_t{0};
+  const std::filesystem::space_info space = std::filesystem::space(file, error);
+  return error ? ~std::uintmax_t{0} : space.available;
+}
 
 constexpr std::uint64_t kSlice_us = 100'000;
 
@@ -98,8 +140,10 @@ std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
 
 class CoverFile {
  public:
-  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
-      : cover_(cover), format_(format), file_(path) {}
+  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format, Split split)
+      : cover_(cover), format_(format), path_(path), split_(split) {
+    file_ = std::make_unique<recording::OutputFile>(part_path());
+  }
 
   void place(const CoverPlace& place) {
     origin_.part = place.part;
@@ -135,10 +179,10 @@ class CoverFile {
   void begin() {
     if (recorder_) return;
     if (format_ == Format::kHdf5)
-      recorder_ = hdf5::make_recorder(file_, cover_.design, origin_);
+      recorder_ = hdf5::make_recorder(*file_, cover_.design, origin_);
     else
       recorder_ = recording::make_recorder(format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap,
-                                           file_, cover_.design, origin_);
+                                           *file_, cover_.design, origin_);
   }
   [[nodiscard]] bool started() const { return recorder_ != nullptr; }
 
@@ -153,6 +197,7 @@ class CoverFile {
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(bus_->now_us(), contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
+    if (is_part_full()) begin_next_part();
   }
   void end(const std::optional<std::string>& trouble, std::uint64_t lost, double seconds) {
     const int signal = interrupt_signal();
@@ -163,17 +208,46 @@ class CoverFile {
                        {"lost", fmt::format("{}", lost)},
                        {"seconds", fmt::format("{:.6f}", seconds)}});
     recorder_.reset();
-    file_.close();
+    file_->close();
   }
 
   [[nodiscard]] const robot::CoverConfig& cover() const { return cover_; }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
-  [[nodiscard]] const std::string& name() const { return file_.name(); }
+  [[nodiscard]] const std::string& name() const { return file_->name(); }
+  [[nodiscard]] int parts() const { return part_ + 1; }
 
  private:
+  // touch.mcap; with --split touch_0.mcap, touch_1.mcap …, as rosbag2 names them.
+  [[nodiscard]] std::string part_path() const {
+    if (!split_.is_set()) return path_;
+    const std::filesystem::path path(path_);
+    return (path.parent_path() / fmt::format("{}_{}{}", path.stem().string(), part_, path.extension().string()))
+        .string();
+  }
+  [[nodiscard]] bool is_part_full() const {
+    std::error_code none;
+    const bool is_large = split_.bytes > 0 && std::filesystem::file_size(file_->name(), none) >= split_.bytes && !none;
+    return is_large || (split_.link_us > 0 && bus_->now_us() - origin_.link_start_us >= split_.link_us);
+  }
+  // Each part is a whole recording, with the design and everything else that is needed to read it alone.
+  void begin_next_part() {
+    ++part_;
+    recorder_->finish(
+        {{"status", fmt::format("goes on in {}", std::filesystem::path(part_path()).filename().string())}});
+    recorder_.reset();
+    file_->close();
+    file_ = std::make_unique<recording::OutputFile>(part_path());
+    origin_.link_start_us = bus_->now_us();
+    origin_.unix_start_ns = bus_->unix_ns(origin_.link_start_us);
+    begin();
+  }
+
   const robot::CoverConfig& cover_;
   Format format_;
-  recording::OutputFile file_;
+  std::string path_;
+  Split split_;
+  int part_ = 0;
+  std::unique_ptr<recording::OutputFile> file_;
   // describe() sets this pointer.
   skin::LiveBus* bus_ = nullptr;
   skin::LiveCover* live_ = nullptr;
@@ -204,7 +278,8 @@ class BusRecording {
       : options_(options), site_(site), joint_(std::move(joint)) {
     for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
-      files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
+      files_.push_back(
+          std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format, split_of(options.split)));
       if (!places.empty()) files_.back()->place(places.at(static_cast<std::size_t>(cover.cover)));
     }
   }
@@ -226,7 +301,8 @@ class BusRecording {
 
   // Adds the report of each cover; returns the exit status.
   int print_report(nlohmann::json& rows, Output& output) const {
-    int status = trouble_ ? 3 : 0;
+    int status = trouble_ ? 3 : disk_.empty() ? 0 : 2;
+    if (!disk_.empty()) output.say(disk_);
     for (std::size_t c = 0; c < files_.size(); ++c) {
       const CoverFile& file = *files_[c];
       nlohmann::json row = keys_of(site_, file.cover());
@@ -238,9 +314,11 @@ class BusRecording {
       }
       row["seconds"] = seconds_;
       row["file"] = name_of(file);
+      if (!options_.split.empty()) row["parts"] = file.parts();
       if (trouble_) row["ended_by"] = *trouble_;
       output.say(
-          fmt::format("{} in {:.2f} s -> {}", counted(file.samples(), "module sample"), seconds_, name_of(file)));
+          fmt::format("{} in {:.2f} s -> {}{}", counted(file.samples(), "module sample"), seconds_, name_of(file),
+                      file.parts() > 1 ? fmt::format(" and {} before it", counted(file.parts() - 1, "file")) : ""));
       if (file.samples() == 0) {
         output.say(prefix_of(file.cover()) + "nothing was recorded: no module sent a sample; run triskin verify");
         status = std::max(status, 1);
@@ -280,7 +358,13 @@ class BusRecording {
                       static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(run.until_us - start_us_),
                       site_.name, site_.name.empty() ? -1 : site_.number);
       lost_ = bus.totals().lost;
-      return true;
+      const std::uintmax_t free_bytes = free_beside(files_.front()->name());
+      if (free_bytes >= kKeptFree_bytes) return true;
+      disk_ = fmt::format(
+          "{}: the disk has only {:.1f} MB left: the recording ends here, closed and whole; free some "
+          "space",
+          files_.front()->name(), static_cast<double>(free_bytes) * 1e-6);
+      return false;
     };
     bus.run(run);
     bus.finish();
@@ -295,6 +379,7 @@ class BusRecording {
   std::vector<session::StreamReport> reports_;
   std::uint64_t start_us_ = 0, lost_ = 0;
   std::optional<std::string> trouble_;
+  std::string disk_;  // Why the recording ended before the disk was full.
   double seconds_ = 0.0;
 };
 
@@ -319,6 +404,16 @@ void require_hdf5(const std::string& path) {
   if (path == "-" || (std::filesystem::exists(path, none) && std::filesystem::is_other(path, none)))
     throw InputError(
         fmt::format("{}: HDF5 writes at any place of a file, a pipe or device cannot; record to mcap or csv", path));
+}
+
+void require_split(const Options& options, bool is_robot) {
+  if (!split_of(options.split).is_set()) return;
+  std::error_code none;
+  const bool is_special = options.output == "-" || (std::filesystem::exists(options.output, none) &&
+                                                    std::filesystem::is_other(options.output, none));
+  if (is_special) throw InputError("--split: standard output, a pipe or a device is one file; give -o FILE");
+  if (is_robot && std::filesystem::path(options.output).extension() == ".mcap")
+    throw InputError("--split: of a robot the files of its covers are divided; give -o FOLDER");
 }
 
 void make_folder(const std::string& path) {
@@ -387,6 +482,7 @@ int run(Options options, Output& output) {
   const Format format = format_of(options, site.is_robot);
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
+  require_split(options, site.is_robot);
   std::optional<JointFile> joint;
   if (site.is_robot && std::filesystem::path(options.output).extension() == ".mcap") {
     joint.emplace(options.output);
@@ -430,6 +526,9 @@ const Registration kRecord{{
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();
+      app.add_option("--split", options->split,
+                     "begin a new file, NAME_1, NAME_2 …, after this size or time (200MB, 10min); each can be read "
+                     "alone");
       app.add_option("--cloud-hz", options->cloud_hz, "mcap: points with their values, so often (0: none)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "triskin/base/counted.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/layout/image_check.hpp"
 #include "triskin/session/controller.hpp"
@@ -224,6 +225,10 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   p.bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open()) throw InputError(fmt::format("{}: cannot be read", file.string()));
   const auto head = layout::decode_package_head(p.bytes);
+  if (const std::string what =
+          not_asked_for({reinterpret_cast<const char*>(p.bytes.data()), p.bytes.size()}, FileUse::kFirmware);
+      !head && !what.empty())
+    throw InputError(fmt::format("{}: is {}", file.string(), what));
   if (!head)
     throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(),
                                  session::describe(head.error())));

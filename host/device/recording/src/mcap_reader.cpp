@@ -5,6 +5,7 @@
 #include <set>
 
 #include "record_walk.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/recording/mcap_file.hpp"
 
 namespace triskin::recording::mcap {
@@ -21,7 +22,7 @@ class Reading {
     report_.file_bytes = source_.size();
     std::array<std::uint8_t, kMagic.size()> magic{};
     if (!source_.read(0, magic) || magic != kMagic)
-      throw InputError(fmt::format("{}: not an MCAP file (wrong first bytes)", name_));
+      throw InputError(fmt::format("{}: not an MCAP file{}", name_, what_it_is(source_)));
     report_.whole_bytes = kMagic.size();
     auto place = place_at(source_, kMagic.size());
     while (place && place->kind != Kind::kDataEnd && read(*place)) {
@@ -133,6 +134,15 @@ class Reading {
 };
 
 }  // namespace
+
+std::string what_it_is(const ByteSource& source) {
+  constexpr std::uint64_t kLooked = std::uint64_t{1} << 20;
+  std::vector<std::uint8_t> bytes(std::min(kLooked, source.size()));
+  if (!source.read(0, bytes)) return " (wrong first bytes)";
+  const std::string what =
+      not_asked_for({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, FileUse::kRecording);
+  return what.empty() ? " (wrong first bytes)" : ": it is " + what;
+}
 
 ReadReport read_file(const ByteSource& source, const std::string& name, Visitor& visitor) {
   return Reading(source, name, visitor).run();

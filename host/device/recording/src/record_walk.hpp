@@ -9,6 +9,9 @@
 
 namespace triskin::recording::mcap {
 
+/// Says what a file is that does not begin as MCAP, and what to give: ": it is a candump log; give …".
+[[nodiscard]] std::string what_it_is(const ByteSource& source);
+
 struct Place {
   Kind kind{};
   std::uint64_t offset = 0;  ///< The record's head starts here.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 namespace triskin::recording {
 namespace {
@@ -81,6 +82,32 @@ class Samples final : public mcap::Visitor {
   std::vector<Reader> own_, readers_;
 };
 
+// Finds whether the times of the raw frames go back anywhere: MCAP allows messages in any order.
+class Order final : public mcap::Visitor {
+ public:
+  void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
+  void on_channel(const mcap::Channel& channel) override {
+    if (schemas_[channel.schema] == kRawFrameType.name) raw_ = channel.id;
+  }
+  void on_message(const mcap::Message& message) override {
+    if (message.channel != raw_) return;
+    goes_back = goes_back || message.log_ns < last_ns_;
+    last_ns_ = message.log_ns;
+  }
+  bool goes_back = false;
+
+ private:
+  std::map<std::uint16_t, std::string> schemas_;
+  std::optional<std::uint16_t> raw_;
+  std::uint64_t last_ns_ = 0;
+};
+
+bool goes_back(const ByteSource& source, const std::string& name) {
+  Order order;
+  (void)mcap::read_file(source, name, order);
+  return order.goes_back;
+}
+
 struct Reached {};  // The exception ends read_origin() at the first sample.
 
 }  // namespace
@@ -89,8 +116,17 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
   const std::string name = path.string();
   const InputFile source(path);
   Summary summary;
-  Samples samples(summary, name, handler);
+  if (!handler || !goes_back(source, name)) {
+    Samples samples(summary, name, handler);
+    summary.file = mcap::read_file(source, name, samples);
+    return summary;
+  }
+  std::vector<ModuleSample> kept;
+  const std::function<void(const ModuleSample&)> keep = [&](const ModuleSample& s) { kept.push_back(s); };
+  Samples samples(summary, name, keep);
   summary.file = mcap::read_file(source, name, samples);
+  std::ranges::stable_sort(kept, {}, &ModuleSample::link_time_us);
+  std::ranges::for_each(kept, handler);
   return summary;
 }
 

@@ -3,15 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <sstream>
 #include <vector>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/file_kind.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -21,6 +25,9 @@ namespace {
 using boost::property_tree::ptree;
 
 constexpr double kMm_per_m = 1000.0;
+// No joint of a robot with a skin is farther from the one before it; the longest arms reach a few metres.
+constexpr double kMaxOffset_m = 10.0;
+constexpr double kMaxTurn_rad = 2.0 * std::numbers::pi + 0.01;  // More than a whole turn says nothing but degrees.
 
 struct Joint {
   std::string parent, child;
@@ -30,6 +37,7 @@ struct Joint {
 class Urdf {
  public:
   Urdf(const std::string& text, std::string file) : file_(std::move(file)) {
+    if (const std::string what = not_asked_for(text, FileUse::kRobot); !what.empty()) fail("is " + what);
     std::istringstream in(text);
     ptree document;
     try {
@@ -41,10 +49,21 @@ class Urdf {
     }
     const auto robot = document.get_child_optional("robot");
     if (!robot) fail("has no element <robot>; give a URDF file");
+    if (const std::size_t robots = document.count("robot"); robots > 1)
+      fail(fmt::format("holds {} robots ({}); give each a file of its own, or join their links by a joint", robots,
+                       names_of(document, "robot")));
     for (const auto& [tag, element] : *robot) {
       if (tag == "link") add_link(attribute(element, "link", "name"));
       if (tag == "joint") joints_.push_back(read_joint(element));
     }
+  }
+
+  [[nodiscard]] std::string names_of(const ptree& parent, const char* wanted) const {
+    std::vector<std::string> names;
+    for (const auto& [tag, element] : parent) {
+      if (tag == wanted) names.push_back(element.get<std::string>("<xmlattr>.name", "without a name"));
+    }
+    return short_list(names, 5);
   }
 
   // Works from the base outwards and visits each joint once per level of the tree.
@@ -95,6 +114,17 @@ class Urdf {
     joint.child = end("child");
     if (const auto origin = element.get_child_optional("origin")) {
       const auto xyz = numbers(*origin, "xyz"), rpy = numbers(*origin, "rpy");
+      const std::string name = element.get<std::string>("<xmlattr>.name", "without a name");
+      if (const double far_m = std::hypot(xyz[0], xyz[1], xyz[2]); far_m > kMaxOffset_m)
+        fail(fmt::format(
+            "joint \"{}\" is {:g} m from its parent; a URDF is in metres: are its numbers millimetres? Then "
+            "divide its xyz by 1000",
+            name, far_m));
+      if (const double turn = std::max({std::abs(rpy[0]), std::abs(rpy[1]), std::abs(rpy[2])}); turn > kMaxTurn_rad)
+        fail(
+            fmt::format("joint \"{}\" is turned by {:g} rad, more than a whole turn; a URDF is in radians: are its "
+                        "numbers degrees? Then write {:.7g} for {:g}",
+                        name, turn, turn * std::numbers::pi / 180.0, turn));
       joint.origin = pose_of({kMm_per_m * xyz[0], kMm_per_m * xyz[1], kMm_per_m * xyz[2], rpy[0], rpy[1], rpy[2]});
     }
     return joint;
@@ -107,7 +137,13 @@ class Urdf {
       }
       if (bases.erase(j.child) == 0) fail(fmt::format("link \"{}\" is the child of two joints", j.child));
     }
-    if (bases.size() != 1) fail(fmt::format("has {} links that hang on no joint; a robot has one base", bases.size()));
+    if (links_.empty()) fail("has no <link>; a robot has at least one");
+    if (bases.empty()) fail("its joints form a ring; a robot is a tree of links");
+    if (bases.size() != 1)
+      fail(
+          fmt::format("has {} links that hang on no joint ({}); a robot has one base: join them by a fixed joint, or "
+                      "take out what is no part of the robot",
+                      bases.size(), short_list(std::vector(bases.begin(), bases.end()), 5)));
     base = *bases.begin();
   }
 

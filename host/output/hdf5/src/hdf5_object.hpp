@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -35,14 +36,30 @@ inline void require(herr_t status, const std::string& what) {
   if (status < 0) throw InputError(fmt::format("HDF5 cannot write {}", what));
 }
 
-/// Adds attribute `name` with a text. Throws as require().
-inline void write_text(hid_t object, const std::string& name, const std::string& value) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name), space(H5Screate(H5S_SCALAR), H5Sclose, name);
-  require(H5Tset_size(type.id(), std::max<std::size_t>(1, value.size())), name);
-  require(H5Tset_cset(type.id(), H5T_CSET_UTF8), name);
-  const Handle attribute(H5Acreate2(object, name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+/// Adds attribute `name` with a value in memory. Throws as require().
+inline void write_attribute(hid_t object, const std::string& name, hid_t stored, hid_t given, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
+  const Handle attribute(H5Acreate2(object, name.c_str(), stored, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                          name);
-  require(H5Awrite(attribute.id(), type.id(), value.empty() ? "" : value.data()), name);
+  require(H5Awrite(attribute.id(), given, value), name);
+}
+
+/// Adds attribute `name` with a text of variable length, which readers have as text: one of fixed length is bytes to
+/// h5py. Throws as require().
+inline void write_text(hid_t object, const std::string& name, const std::string& value) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name);
+  require(H5Tset_size(type.id(), H5T_VARIABLE), name);
+  require(H5Tset_cset(type.id(), H5T_CSET_UTF8), name);
+  const char* text = value.c_str();
+  write_attribute(object, name, type.id(), type.id(), static_cast<const void*>(&text));
+}
+/// Adds attribute `name` with a whole number. Throws as require().
+inline void write_number(hid_t object, const std::string& name, std::uint64_t value) {
+  write_attribute(object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+}
+/// Adds attribute `name` with a number. Throws as require().
+inline void write_number(hid_t object, const std::string& name, double value) {
+  write_attribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
 }
 
 }  // namespace triskin::hdf5

@@ -6,6 +6,7 @@
 
 #ifdef TRISKIN_HDF5
 #include <array>
+#include <charconv>
 #include <mutex>
 #include <vector>
 
@@ -91,10 +92,10 @@ class Hdf5Recorder {
     guarded([&] {
       const hid_t root = file_.id();
       write_text(root, "format", "triskin-recording");
-      write_text(root, "version", "1");
+      write_number(root, "version", std::uint64_t{1});
       write_text(root, "design_id", fmt::format("{:016x}", design.design_id));
-      write_text(root, "link_start_us", fmt::format("{}", origin.link_start_us));
-      write_text(root, "unix_start_ns", fmt::format("{}", origin.unix_start_ns));
+      write_number(root, "link_start_us", origin.link_start_us);
+      write_number(root, "unix_start_ns", origin.unix_start_ns);
       for (const auto& [key, value] : origin.facts) write_text(root, key, value);
       write_design(origin.design_text);
       require(H5Fflush(root, H5F_SCOPE_GLOBAL), name_);
@@ -123,7 +124,7 @@ class Hdf5Recorder {
   void finish(const std::map<std::string, std::string>& result) {
     flush();
     guarded([&] {
-      for (const auto& [key, value] : result) write_text(file_.id(), "result_" + key, value);
+      for (const auto& [key, value] : result) write_result(key, value);
       require(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name_);
     });
   }
@@ -137,6 +138,19 @@ class Hdf5Recorder {
       throw recording::WriteFailed(
           fmt::format("{}: {}; what was written before is there, check the disk", name_, e.what()));
     }
+  }
+  // What is a number in words becomes one.
+  void write_result(const std::string& key, const std::string& text) const {
+    const std::string name = "result_" + key;
+    const char* const end = text.data() + text.size();
+    std::uint64_t whole = 0;
+    double number = 0.0;
+    if (const auto r = std::from_chars(text.data(), end, whole); r.ec == std::errc{} && r.ptr == end)
+      write_number(file_.id(), name, whole);
+    else if (const auto d = std::from_chars(text.data(), end, number); d.ec == std::errc{} && d.ptr == end)
+      write_number(file_.id(), name, number);
+    else
+      write_text(file_.id(), name, text);
   }
   void write_design(const std::string& text) const {
     const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "the design"), space(H5Screate(H5S_SCALAR), H5Sclose, "the design");

@@ -99,7 +99,7 @@ std::string taxel_table(const design::Design& design) {
   require(H5Pset_obj_track_times(create.id(), false), "a file");
   const Handle file(H5Fcreate("taxels.h5", H5F_ACC_TRUNC, create.id(), access.id()), H5Fclose, "a file");
   write_text(file.id(), "format", "triskin-taxels");
-  write_text(file.id(), "version", "1");
+  write_number(file.id(), "version", std::uint64_t{1});
   write_text(file.id(), "name", design.name);
   write_text(file.id(), "design_id", fmt::format("{:016x}", design.design_id));
   write_rows(file.id(), rows_of(design));

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "step_text.hpp"
+#include "triskin/base/file_kind.hpp"
 
 namespace triskin::cad {
 namespace {
@@ -52,37 +53,15 @@ bool is_iges(std::string_view bytes) {
 }
 
 std::string looks_like(std::string_view bytes) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kMagic{
-      {{"\x1f\x8b", "a gzip archive; unpack it first"},
-       {"PK\x03\x04", "a zip archive; unpack it first"},
-       {"7z\xbc\xaf", "a 7-Zip archive; unpack it first"},
-       {"%PDF", "a PDF"},
-       {"\x89PNG", "a PNG picture"},
-       {"\xff\xd8\xff", "a JPEG picture"},
-       {"\xff\xfe", "text in UTF-16; save it as ASCII"},
-       {"\xfe\xff", "text in UTF-16; save it as ASCII"},
-       {"\xd0\xcf\x11\xe0", "a file of SolidWorks or Office; export it as STEP"},
-       {"glTF", "a GLB mesh; give it its extension .glb"},
-       {"Kaydara FBX", "an FBX scene"},
-       {"\x7f"
-        "ELF",
-        "a program"},
-       {"PTC", "a part of Creo; export it as STEP"},
-       {"ACIS", "an ACIS part; export it as STEP"}}};
-  for (const auto& [magic, name] : kMagic) {
-    if (bytes.starts_with(magic)) return std::string(name);
-  }
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return "text in UTF-16; save it as ASCII";
+  if (bytes.starts_with("glTF")) return "a GLB mesh; give it its extension .glb";
+  if (const std::string kind = not_asked_for(bytes, FileUse::kMesh); !kind.empty()) return kind;
   const std::string start = lower_start(without_blanks(bytes));
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kWords{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kWords{
       {{"solid", "an STL; give it its extension .stl"},
-       {"<!doctype html", "a web page; the download was not the file itself"},
-       {"<html", "a web page; the download was not the file itself"},
-       {"version https://git-lfs", "a Git LFS pointer; fetch the file itself with git lfs pull"},
        {"<?xml", "XML"},
        {"ply", "a PLY mesh; give it its extension .ply"},
        {"off", "an OFF mesh; give it its extension .off"},
-       {"dbrep_drawable", "a BREP file of OpenCASCADE; export it as STEP"},
-       {"{", "JSON"},
        {"v ", "an OBJ mesh; give it its extension .obj"}}};
   for (const auto& [word, name] : kWords) {
     if (start.starts_with(word)) return std::string(name);

@@ -36,6 +36,7 @@ json face_json(const Face& f) {
           {"place_mm", vector_json(f.place_mm)},
           {"normal", vector_json(f.normal)},
           {"deviation_mm", f.deviation_mm},
+          {"is_hidden", f.is_hidden},
           {"fault", f.fault}};
 }
 
@@ -53,6 +54,7 @@ Face face_of(const json& j) {
   f.place_mm = vector_of(j.at("place_mm"));
   f.normal = vector_of(j.at("normal"));
   j.at("deviation_mm").get_to(f.deviation_mm);
+  j.at("is_hidden").get_to(f.is_hidden);
   j.at("fault").get_to(f.fault);
   return f;
 }

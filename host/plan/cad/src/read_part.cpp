@@ -10,8 +10,10 @@
 
 #include "reader_process.hpp"
 #include "step_text.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/cad/part_stream.hpp"
 
 namespace triskin::cad {
@@ -58,6 +60,7 @@ std::string no_geometry(const StepText& step) {
     return "has triangles only (AP242 tessellation) and no exact faces; export exact geometry, or an STL for its mesh";
   if (step.csg > 0)
     return "has solids as operations on primitives (CSG) and no faces; export it as boundary representation (B-rep)";
+  if (step.schema.starts_with("IFC")) return "is an IFC building model; export the part as STEP (AP214 or AP242)";
   return fmt::format("has no faces (schema {}); export the part as solids or surfaces",
                      step.schema.empty() ? "not named" : step.schema);
 }
@@ -78,6 +81,8 @@ class PartReading {
                        static_cast<double>(bytes_.size()) / kMegabyte));
     const bool is_iges_file = is_iges(bytes_) || (has_iges_name(name_) && !is_step(bytes_));
     is_iges_file ? check_iges() : check_step();
+    // The reader of STEP takes a line with the entities that are switched off before the file.
+    if (!is_iges_file) step_.text.insert(0, fmt::format("{}\n", fmt::join(step_.hidden, " ")));
     Part part = read(is_iges_file ? "iges" : "step", is_iges_file ? bytes_ : std::string_view(step_.text));
     part.format = is_iges_file ? "IGES" : "STEP " + step_.schema;
     part.warnings.insert(part.warnings.begin(), step_.warnings.begin(), step_.warnings.end());
@@ -96,6 +101,7 @@ class PartReading {
       clean_name(body.name);
       clean_name(body.path);
     }
+    warn_of_hidden(part);
     judge(part, is_iges_file);
     return part;
   }
@@ -169,6 +175,25 @@ class PartReading {
     if (result.end == ProcessEnd::kCrashed)
       return fmt::format("the geometry kernel crashed (signal {}, {}); {}", result.signal, stage, kRemedy);
     return fmt::format("the reader of CAD files ended without an answer ({}); {}", stage, kRemedy);
+  }
+
+  static void warn_of_hidden(Part& part) {
+    std::vector<std::string> names;
+    std::vector<bool> has_shown(part.bodies.size(), false), has_hidden = has_shown;
+    int faces = 0;
+    for (const Face& face : part.faces) {
+      (face.is_hidden ? has_hidden : has_shown)[static_cast<std::size_t>(face.body)] = true;
+      faces += face.is_hidden ? 1 : 0;
+    }
+    for (std::size_t b = 0; b < part.bodies.size(); ++b) {
+      if (!has_hidden[b]) continue;
+      const std::string name = part.bodies[b].name.empty() ? fmt::format("body {}", b) : part.bodies[b].name;
+      names.push_back(has_shown[b] ? "faces of " + name : name);
+    }
+    if (names.empty()) return;
+    part.warnings.push_back(
+        fmt::format("switched off in the CAD program and left out: {} ({}); --object takes one body",
+                    short_list(names, 5), counted(faces, "face")));
   }
 
   void judge(Part& part, bool is_iges_file) const {

@@ -159,8 +159,10 @@ bool meets(const Part& part, BrepFaceIndex index, const FaceSelection& s) {
   const Face& f = part.faces[static_cast<std::size_t>(index)];
   const double area_cm2 = f.area_mm2 / 100.0;
   const auto is_in = [&](const std::string& body) { return is_body(part, f.body, body); };
-  return (s.indices.empty() || holds(s.indices, index)) && (s.names.empty() || holds(s.names, f.name)) &&
-         (s.kinds.empty() || holds(s.kinds, f.kind)) && (s.bodies.empty() || std::ranges::any_of(s.bodies, is_in)) &&
+  const bool is_asked_for = !s.indices.empty() || !s.names.empty() || !s.bodies.empty();
+  return (!f.is_hidden || is_asked_for) && (s.indices.empty() || holds(s.indices, index)) &&
+         (s.names.empty() || holds(s.names, f.name)) && (s.kinds.empty() || holds(s.kinds, f.kind)) &&
+         (s.bodies.empty() || std::ranges::any_of(s.bodies, is_in)) &&
          (s.colours.empty() ||
           std::ranges::any_of(s.colours, [&](const std::string& c) { return is_same_colour(f.colour, c); })) &&
          (!s.min_area_cm2 || area_cm2 >= *s.min_area_cm2) && (!s.max_area_cm2 || area_cm2 <= *s.max_area_cm2) &&

@@ -58,6 +58,15 @@ char StepLexer::peek() {
   return at_ < bytes_.size() ? bytes_[at_] : '\0';
 }
 
+std::string_view StepLexer::skip_section() {
+  constexpr std::string_view kEnd = "ENDSEC;";
+  const std::size_t end = bytes_.find(kEnd, at_);
+  if (end == std::string_view::npos) return {};
+  const std::string_view contents = bytes_.substr(at_, end - at_);
+  at_ = end + kEnd.size();
+  return contents;
+}
+
 std::size_t StepLexer::line() const {
   return 1 + static_cast<std::size_t>(
                  std::count(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(token_at_), '\n'));

@@ -45,6 +45,8 @@ class StepLexer {
   /// Returns the next character that is neither white space nor comment, 0 at the end, without consuming it.
   [[nodiscard]] char peek();
   [[nodiscard]] bool at_end() { return peek() == '\0' && at_ >= bytes_.size(); }
+  /// Skips to behind the next `ENDSEC;` and returns what stands before it; null data if there is none.
+  [[nodiscard]] std::string_view skip_section();
   /// Returns the line of the last token, counted from 1. Cost: amortized linear.
   [[nodiscard]] std::size_t line() const;
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "reference_cycles.hpp"
@@ -35,7 +36,7 @@ enum Trait : std::uint16_t {
   kStyle = 256,
   kInvisible = 512,
   kLayer = 1024,
-  kBody = 2048,
+  kComplexOperator = 2048,
 };
 
 std::uint16_t trait_of(std::string_view keyword) {
@@ -45,13 +46,12 @@ std::uint16_t trait_of(std::string_view keyword) {
   if (keyword == "GLOBAL_UNIT_ASSIGNED_CONTEXT") return kUnits;
   if (keyword == "LENGTH_UNIT") return kLengthUnit;
   if (keyword == "CARTESIAN_POINT") return kPoint;
-  if (keyword == "CARTESIAN_TRANSFORMATION_OPERATOR_3D") return kOperator;
+  if (keyword == "CARTESIAN_TRANSFORMATION_OPERATOR") return kOperator | kComplexOperator;
+  if (keyword.starts_with("CARTESIAN_TRANSFORMATION_OPERATOR_3D")) return kOperator;
   if (keyword == "DIRECTION") return kDirection;
   if (keyword == "STYLED_ITEM" || keyword == "OVER_RIDING_STYLED_ITEM") return kStyle;
   if (keyword == "INVISIBILITY") return kInvisible;
   if (keyword == "PRESENTATION_LAYER_ASSIGNMENT") return kLayer;
-  if (keyword == "MANIFOLD_SOLID_BREP" || keyword == "BREP_WITH_VOIDS" || keyword == "SHELL_BASED_SURFACE_MODEL")
-    return kBody;
   return 0;
 }
 
@@ -165,25 +165,52 @@ class Reader {
   void section() {
     const StepToken name = next();
     const std::string keyword = name.upper();
-    if (keyword == "END-ISO-10303-21") {
-      out_.text += "END-ISO-10303-21;\n";
-      is_ended_ = true;
-      return;
-    }
+    if (keyword == "END-ISO-10303-21") return end_file();
     if (name.kind != Kind::kKeyword) fail(fmt::format("`{}` stands where a section should begin", name.shown()));
-    out_.text += keyword;
-    if (keyword == "DATA" && lexer_.peek() == '(') {
+    if (keyword == "ANCHOR" || keyword == "REFERENCE" || keyword == "SIGNATURE") return other_section(keyword);
+    if (keyword != "HEADER" && keyword != "DATA") fail(fmt::format("the section {} is not known", keyword));
+    if (keyword == "HEADER") {
+      out_.text += keyword;
+      end_statement();
+      return header();
+    }
+    begin_data();
+    data();
+    if (lexer_.at_end()) {
+      out_.warnings.emplace_back("the file lacks its last line END-ISO-10303-21");
+      end_file();
+    }
+  }
+  // Several sections of data share their numbers and become one; their names and schemas fall away.
+  void begin_data() {
+    const std::size_t before = out_.text.size();
+    if (lexer_.peek() == '(') {
       put(next());
       list();
     }
     end_statement();
-    if (keyword != "HEADER" && keyword != "DATA") fail(fmt::format("the section {} is not known", keyword));
-    keyword == "DATA" ? data() : header();
-    if (keyword == "DATA" && lexer_.at_end()) {
-      out_.warnings.emplace_back("the file lacks its last line END-ISO-10303-21");
-      out_.text += "END-ISO-10303-21;\n";
-      is_ended_ = true;
-    }
+    out_.text.resize(before);
+    if (!std::exchange(has_data_, true)) out_.text += "DATA;\n";
+  }
+  void end_file() {
+    if (has_data_) out_.text += "ENDSEC;\n";
+    out_.text += "END-ISO-10303-21;\n";
+    is_ended_ = true;
+  }
+  // Sections of edition 3 (ISO 10303-21:2016) that hold no shapes: names for others, references to other files, a
+  // signature.
+  void other_section(const std::string& keyword) {
+    end_statement_unread();
+    const std::string_view contents = lexer_.skip_section();
+    if (contents.data() == nullptr)
+      throw InputError(fmt::format("the file ends within its section {}; it was cut, get it again", keyword));
+    if (keyword == "REFERENCE" && contents.find('#') != std::string_view::npos)
+      out_.warnings.emplace_back("the file refers to entities of other files (section REFERENCE), which are not read");
+  }
+  void end_statement_unread() {
+    const std::size_t before = out_.text.size();
+    end_statement();
+    out_.text.resize(before);
   }
   void header() {
     for (StepToken name = next(); name.upper() != "ENDSEC"; name = next()) {
@@ -204,8 +231,7 @@ class Reader {
       entity(name);
       entity_ = {};
     }
-    out_.text += "ENDSEC";
-    end_statement();
+    end_statement_unread();
   }
 
   void entity(const StepToken& name) {
@@ -325,13 +351,12 @@ class Reader {
     if ((traits_ & kAssembly) != 0 && entity_.references.size() >= 2)
       assemblies_.add(entity_.references[0], {entity_.references[1]}, entity_.id);
     if ((traits_ & kDirection) != 0) directions_.emplace_back(entity_.id, direction_);
-    if ((traits_ & kOperator) != 0) operators_.emplace_back(entity_.id, values_);
+    if ((traits_ & kOperator) != 0) operators_.push_back({entity_.id, values_, (traits_ & kComplexOperator) != 0});
     if ((traits_ & kStyle) != 0 && !entity_.references.empty())
       styled_.emplace(entity_.id, std::vector{entity_.references.back()});
     if ((traits_ & kLayer) != 0) styled_.emplace(entity_.id, entity_.references);
     if ((traits_ & kInvisible) != 0)
       invisible_.insert(invisible_.end(), entity_.references.begin(), entity_.references.end());
-    if ((traits_ & kBody) != 0) bodies_.emplace(entity_.id, first_string_);
     if ((traits_ & kLengthUnit) != 0) length_units_.push_back(entity_.id);
     if ((traits_ & kUnits) != 0)
       used_units_.insert(used_units_.end(), entity_.references.begin(), entity_.references.end());
@@ -353,7 +378,7 @@ class Reader {
         used_units_, [&](std::int64_t id) { return std::ranges::binary_search(length_units_, id); });
     refuse_scale_and_mirror();
     warn_of_dangling();
-    warn_of_hidden();
+    list_hidden();
   }
 
   // The kernel takes the rotation and the place of an operator alone, and drops its scale and mirroring.
@@ -362,17 +387,24 @@ class Reader {
     std::ranges::sort(directions_);
     for (const auto& [id, scale] : scaled_)
       throw InputError(fmt::format("#{}: an instance of a part is scaled by {}, {}", id, scale, kRemedy));
-    for (const auto& [id, values] : operators_) {
-      if (is_mirrored(values)) throw InputError(fmt::format("#{}: an instance of a part is mirrored, {}", id, kRemedy));
+    for (const Operator& o : operators_) {
+      if (is_mirrored(o)) throw InputError(fmt::format("#{}: an instance of a part is mirrored, {}", o.id, kRemedy));
     }
   }
-  // Values 3, 4 and 7 are the axes; 0 stands for an unset one, which follows from the others. Three axes that turn the
-  // other way mirror (ISO 10303-42).
-  [[nodiscard]] bool is_mirrored(const std::vector<std::int64_t>& values) const {
-    if (values.size() < 8) return false;
+  struct Operator {
+    std::int64_t id;
+    std::vector<std::int64_t> values;
+    bool is_complex;  // Written as a list of its types, whose names and descriptions stand elsewhere.
+  };
+  // Values 3, 4 and 7 are the axes (0, 1 and 4 of a complex record); 0 stands for an unset one, which follows from the
+  // others. Three axes that turn the other way mirror (ISO 10303-42).
+  [[nodiscard]] bool is_mirrored(const Operator& o) const {
+    const std::array<std::size_t, 3> places =
+        o.is_complex ? std::array<std::size_t, 3>{0, 1, 4} : std::array<std::size_t, 3>{3, 4, 7};
+    if (o.values.size() <= places[2]) return false;
     std::array<std::array<double, 3>, 3> axes{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int64_t id = values[std::array{3U, 4U, 7U}[k]];
+      const std::int64_t id = o.values[places[k]];
       const auto found = std::ranges::lower_bound(directions_, id, {}, [](const auto& d) { return d.first; });
       if (found == directions_.end() || found->first != id) return false;
       axes[k] = found->second;
@@ -383,21 +415,21 @@ class Reader {
            0.0;
   }
 
-  void warn_of_hidden() {
-    std::string names;
-    int count = 0;
-    const auto name = [&](std::int64_t id) {
-      const auto body = bodies_.find(id);
-      if (body == bodies_.end()) return;
-      names += fmt::format("{}{} (#{})", names.empty() ? "" : ", ", body->second.empty() ? "a body" : body->second, id);
-      ++count;
-    };
-    for (const std::int64_t id : invisible_) {
-      name(id);
-      if (const auto styled = styled_.find(id); styled != styled_.end()) std::ranges::for_each(styled->second, name);
+  // What is invisible is named directly, by its style or by its layer; a layer may hold styles.
+  void list_hidden() {
+    std::vector<std::int64_t> todo = invisible_;
+    std::set<std::int64_t> seen;
+    while (!todo.empty()) {
+      const std::int64_t id = todo.back();
+      todo.pop_back();
+      if (!seen.insert(id).second) continue;
+      const auto styled = styled_.find(id);
+      if (styled == styled_.end())
+        out_.hidden.push_back(id);
+      else
+        todo.insert(todo.end(), styled->second.begin(), styled->second.end());
     }
-    if (count > 0)
-      out_.warnings.push_back(fmt::format("hidden in the CAD program, but read: {}; --object takes one body", names));
+    std::ranges::sort(out_.hidden);
   }
   static std::string circle_text(const std::vector<ReferenceGraph::Step>& circle) {
     std::string text;
@@ -426,16 +458,15 @@ class Reader {
   std::vector<std::int64_t> values_;  // Of an operator: the references, 0 for other values.
   std::array<double, 3> direction_{};
   std::vector<std::pair<std::int64_t, std::array<double, 3>>> directions_;
-  std::vector<std::pair<std::int64_t, std::vector<std::int64_t>>> operators_;
+  std::vector<Operator> operators_;
   std::vector<std::pair<std::int64_t, double>> scaled_;
   std::map<std::int64_t, std::vector<std::int64_t>> styled_;  // What a style or layer is applied to.
   std::vector<std::int64_t> invisible_;
-  std::map<std::int64_t, std::string> bodies_;  // Their names.
   std::size_t numbers_in_entity_ = 0;
   std::string first_string_;
   std::vector<std::int64_t> ids_, length_units_, used_units_;
   ReferenceGraph graph_, assemblies_;
-  bool is_ended_ = false;
+  bool has_data_ = false, is_ended_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@ struct StepText {
   int tessellated = 0;                      ///< Triangles of AP242 without exact faces count here.
   int csg = 0;                              ///< Primitives and set operations of constructive solids count here.
   std::vector<std::string> external_files;  ///< DOCUMENT_FILE refers to these names, which may contain any characters.
+  std::vector<std::int64_t> hidden;  ///< Entities that the author made invisible, by a style or a layer; ascending.
   std::vector<std::string> warnings;
 };
 

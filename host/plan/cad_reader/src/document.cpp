@@ -39,6 +39,7 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace triskin::cad_reader {
@@ -89,18 +90,19 @@ class Collector {
   void run() {
     TDF_LabelSequence roots;
     shapes_->GetFreeShapes(roots);
-    for (const TDF_Label& root : roots) visit(root, TopLoc_Location(), {}, {});
+    for (const TDF_Label& root : roots) visit(root, TopLoc_Location(), {}, {}, false);
     for (PlacedBody& loose : sewn_loose_faces()) out_.bodies.push_back(std::move(loose));
   }
 
  private:
   void visit(const TDF_Label& label, const TopLoc_Location& place, const std::string& path,
-             const std::string& inherited) {
+             const std::string& inherited, bool is_hidden) {
+    is_hidden = is_hidden || !colours_->IsVisible(label);
     const std::string own = colour_of(colours_, label);
     const std::string colour = own.empty() ? inherited : own;
     TDF_Label product;
     if (XCAFDoc_ShapeTool::GetReferredShape(label, product)) {
-      visit(product, place * XCAFDoc_ShapeTool::GetLocation(label), path, colour);
+      visit(product, place * XCAFDoc_ShapeTool::GetLocation(label), path, colour, is_hidden);
       return;
     }
     const std::string name = name_of(label);
@@ -108,11 +110,11 @@ class Collector {
     if (XCAFDoc_ShapeTool::IsAssembly(label)) {
       TDF_LabelSequence parts;
       XCAFDoc_ShapeTool::GetComponents(label, parts);
-      for (const TDF_Label& part : parts) visit(part, place, here, colour);
+      for (const TDF_Label& part : parts) visit(part, place, here, colour, is_hidden);
       return;
     }
     note_sub_shapes(label);
-    add_bodies(XCAFDoc_ShapeTool::GetShape(label).Moved(place), {{}, name, here, colour});
+    add_bodies(XCAFDoc_ShapeTool::GetShape(label).Moved(place), {{}, name, here, colour, is_hidden});
   }
 
   void note_sub_shapes(const TDF_Label& label) {
@@ -189,6 +191,12 @@ void note_entity(Document& out, const TopoDS_Shape& shape, const Label& said) {
     label.entity = said.entity;
     if (!said.name.empty()) label.name = said.name;
   }
+}
+
+void mark_hidden(const TopoDS_Shape& shape, Document& out) {
+  if (shape.IsNull()) return;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    out.labels[it.Current().TShape().get()].is_hidden = true;
 }
 
 std::string text_of(const Handle(TCollection_HAsciiString) & text) {
@@ -322,8 +330,26 @@ double unit_of_name_mm(const std::string& name) {
 
 }  // namespace
 
+namespace {
+
+// Marks the faces of the entities with these numbers as switched off.
+void mark_hidden(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & transferred,
+                 const std::set<std::string>& hidden, Document& out) {
+  for (int e = 1; e <= model->NbEntities() && !hidden.empty(); ++e) {
+    const Handle(Standard_Transient) entity = model->Value(e);
+    if (hidden.contains(number_of(model, entity))) mark_hidden(TransferBRep::ShapeResult(transferred, entity), out);
+  }
+}
+
+}  // namespace
+
 Document read_step(std::istream& text, const StageSink& stage) {
   stage("reading the entities");
+  std::set<std::string> hidden;
+  std::string line;
+  std::getline(text, line);
+  std::istringstream numbers(line);
+  for (std::string number; numbers >> number;) hidden.insert("#" + number);
   STEPCAFControl_Reader reader;
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   reader.SetNameMode(Standard_True);
@@ -341,6 +367,7 @@ Document read_step(std::istream& text, const StageSink& stage) {
   const auto model = Handle(StepData_StepModel)::DownCast(reader.ChangeReader().Model());
   const auto transferred = reader.ChangeReader().WS()->TransferReader()->TransientProcess();
   match_names(model, transferred, out);
+  mark_hidden(model, transferred, hidden, out);
   find_lost(model, transferred, out);
   stage("taking the bodies out of the assemblies");
   Collector(xde, out).run();
@@ -348,6 +375,15 @@ Document read_step(std::istream& text, const StageSink& stage) {
 }
 
 namespace {
+
+// The first two digits of an entity's status number are 01 if it is blanked (IGES 5.3, 2.2.4.4.9).
+void mark_blanked(const Handle(IGESData_IGESModel) & model, const Handle(Transfer_TransientProcess) & transferred,
+                  Document& out) {
+  for (int e = 1; e <= model->NbEntities(); ++e) {
+    const Handle(IGESData_IGESEntity) entity = model->Entity(e);
+    if (entity->BlankStatus() == 1) mark_hidden(TransferBRep::ShapeResult(transferred, entity), out);
+  }
+}
 
 void note_unit(const IGESData_GlobalSection& global, Document& out) {
   out.unit_mm = global.UnitValue() > 0.0 ? global.UnitValue() : 1.0;
@@ -368,6 +404,8 @@ Document read_iges(const std::string& path, const StageSink& stage) {
   stage("building the shapes");
   const Handle(TDocStd_Document) xde = new_document();
   (void)reader.Transfer(const_cast<Handle(TDocStd_Document)&>(xde));
+  mark_blanked(Handle(IGESData_IGESModel)::DownCast(reader.Model()), reader.WS()->TransferReader()->TransientProcess(),
+               out);
   stage("taking the bodies out of the assemblies");
   Collector(xde, out).run();
   return out;

@@ -12,12 +12,14 @@ namespace triskin::cad_reader {
 /// Holds what a file says about one face, solid or shell, whatever its place in an assembly.
 struct Label {
   std::string name, colour, entity;
+  bool is_hidden = false;  ///< Its author switched it off.
 };
 
 /// A solid, a shell or a single face at its place, in the unit of the document (mm).
 struct PlacedBody {
   TopoDS_Shape shape;
   std::string name, path, colour;
+  bool is_hidden = false;  ///< Its author switched off this component or one above it.
 };
 
 /// Holds the bodies of a file and the labels of their faces.
@@ -34,7 +36,8 @@ struct Document {
 /// Receives the name of the next step.
 using StageSink = std::function<void(const std::string&)>;
 
-/// Reads STEP from a stream. Errors: std::runtime_error with a sentence.
+/// Reads STEP from a stream, whose first line names the entities that are switched off. Errors: std::runtime_error with
+/// a sentence.
 [[nodiscard]] Document read_step(std::istream& text, const StageSink& stage);
 /// Reads IGES from a file. Errors: std::runtime_error with a sentence.
 [[nodiscard]] Document read_iges(const std::string& path, const StageSink& stage);

@@ -40,6 +40,7 @@ class PartBuilder {
     const std::vector<double> holes = hole_diameters(mesh.faces);
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
       part.faces.push_back(face_of(mesh.faces[f], placed.colour));
+      part.faces.back().is_hidden = placed.is_hidden || label_of(document_, mesh.faces[f].face).is_hidden;
       part.faces.back().hole_diameter_mm = scale_ * holes[f];
       body.area_mm2 += part.faces.back().area_mm2;
     }

@@ -63,6 +63,44 @@ std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh) {
                   start(*repeats), mesh.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
 }
 
+std::optional<Vec3> one_sided_at(const Mesh& mesh) {
+  struct Neighbour {
+    FaceIndex face = FaceIndex::none();
+    bool agrees = false;  // Both faces run through the edge in opposite directions.
+  };
+  std::vector<std::array<Neighbour, 3>> neighbours(mesh.faces.size());
+  EdgeSides(mesh).each_edge([&](std::span<const EdgeSide> edge) {
+    if (edge.size() != 2 || edge[0].face == edge[1].face) return;
+    const auto start = [&](const EdgeSide& s) { return mesh.faces[at(s.face)][at(s.side)]; };
+    const bool agrees = start(edge[0]) != start(edge[1]);
+    neighbours[at(edge[0].face)][at(edge[0].side)] = {edge[1].face, agrees};
+    neighbours[at(edge[1].face)][at(edge[1].side)] = {edge[0].face, agrees};
+  });
+  std::vector<int> turn(mesh.faces.size(), 0);  // 1: as in the file, -1: turned, 0: not visited
+  std::vector<FaceIndex> queue;
+  for (std::size_t first = 0; first < mesh.faces.size(); ++first) {
+    if (turn[first] != 0) continue;
+    turn[first] = 1;
+    queue.assign(1, FaceIndex(first));
+    while (!queue.empty()) {
+      const FaceIndex f = queue.back();
+      queue.pop_back();
+      for (std::size_t s = 0; s < 3; ++s) {
+        const Neighbour& n = neighbours[at(f)][s];
+        if (n.face < 0) continue;
+        const int wanted = n.agrees ? turn[at(f)] : -turn[at(f)];
+        if (turn[at(n.face)] == 0) {
+          turn[at(n.face)] = wanted;
+          queue.push_back(n.face);
+        } else if (turn[at(n.face)] != wanted) {
+          return mesh.vertices[at(mesh.faces[at(f)][s])];
+        }
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 int non_manifold_edges_of(const Mesh& mesh) {
   int count = 0;
   const EdgeSides sides(mesh);

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,10 @@ class EdgeSides {
 /// Returns the face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an
 /// edge has more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
 [[nodiscard]] std::vector<std::array<FaceIndex, 3>> neighbours_of(const Mesh& mesh);
+
+/// A point where the faces cannot all be turned to one side: a part of the mesh has only one, as a Möbius strip has.
+/// Nothing if every part has two. Edges with more than two faces join nothing here. Cost: that of EdgeSides.
+[[nodiscard]] std::optional<Vec3> one_sided_at(const Mesh& mesh);
 
 /// Counts the edges with more than two faces. Cost: that of EdgeSides.
 [[nodiscard]] int non_manifold_edges_of(const Mesh& mesh);

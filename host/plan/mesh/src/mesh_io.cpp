@@ -10,9 +10,10 @@
 #include <cmath>
 
 #include "clean.hpp"
+#include "edge_sides.hpp"
 #include "formats/content_kind.hpp"
+#include "formats/dae_reader.hpp"
 #include "formats/gltf_reader.hpp"
-#include "formats/library_reader.hpp"
 #include "formats/mesh_source.hpp"
 #include "formats/obj_reader.hpp"
 #include "formats/off_reader.hpp"
@@ -20,6 +21,7 @@
 #include "formats/stl_reader.hpp"
 #include "formats/three_mf_reader.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/lower_case.hpp"
 #include "triskin/base/text_file.hpp"
@@ -29,7 +31,9 @@ namespace triskin::mesh {
 namespace {
 
 constexpr double kSmallestPart_mm = 20.0;
-constexpr double kLargestGuess_mm = 3000.0;  // Without a stated unit, a mesh larger than this is refused.
+// A robot's body part is hardly longer than an adult's leg or torso; a larger one is asked about: its unit is often
+// wrong (a STEP file that says inch over numbers in mm).
+constexpr double kLargestGuess_mm = 1500.0;
 constexpr double kLargestPart_mm = 5000.0;
 
 // A double still resolves 2 µm there; `check` has the same bound.
@@ -56,7 +60,13 @@ struct UnitRow {
 constexpr std::array<UnitRow, 4> kUnits{
     {{"mm", "millimetres", 1.0}, {"cm", "centimetres", 10.0}, {"in", "inches", 25.4}, {"m", "metres", 1000.0}}};
 
-// Lists the units in which a mesh of this size (mm) would be a body part, and how large it would be.
+std::string size_text(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh.vertices) box.extend(v);
+  return fmt::format("{:.0f} × {:.0f} × {:.0f}", box.sizes().x(), box.sizes().y(), box.sizes().z());
+}
+
+// Lists the units in which a mesh of this size (in its numbers) would be a body part, and how large it would be.
 std::string fitting_units(double size_mm) {
   std::vector<std::string> names, options;
   for (const UnitRow& unit : kUnits) {
@@ -69,23 +79,27 @@ std::string fitting_units(double size_mm) {
   return fmt::format("are its numbers {}? Then pass {}", fmt::join(names, " or "), fmt::join(options, " or "));
 }
 
-// Refuses a size that no part has, if neither the person nor the file gives a unit.
-void require_size(const std::string& name, const Mesh& mesh, bool unit_is_known) {
+// Refuses a size that no part has, and asks about one that few have: only the person knows the unit.
+void require_size(const std::string& name, const Mesh& mesh, double unit_mm, bool unit_is_given, bool unit_from_file) {
   const double size_mm = diagonal_of(mesh);
   if (size_mm < kSmallestPart_mm) {
     throw InputError(fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; {}", name, size_mm,
-                                 fitting_units(size_mm)));
+                                 fitting_units(size_mm / unit_mm)));
   }
   if (size_mm > kLargestPart_mm) {
     throw InputError(fmt::format(
         "{}: the mesh is {:.3g} m across, larger than a body part (5 m); check its unit (--unit mm|cm|m|in)", name,
         size_mm / 1000.0));
   }
-  if (size_mm > kLargestGuess_mm && !unit_is_known) {
-    throw InputError(
-        fmt::format("{}: the mesh is {:.3g} m across if its numbers are millimetres; are they? Then pass --unit mm",
-                    name, size_mm / 1000.0));
-  }
+  if (size_mm <= kLargestGuess_mm || unit_is_given) return;
+  const auto* unit = std::ranges::find(kUnits, unit_mm, &UnitRow::mm);
+  const std::string read_as = unit == kUnits.end() ? fmt::format("units of {:g} mm", unit_mm) : unit->plural;
+  const double as_mm = size_mm / unit_mm;
+  const bool fits_mm = unit_mm != 1.0 && as_mm >= kSmallestPart_mm && as_mm <= kLargestGuess_mm;
+  throw InputError(fmt::format(
+      "{}: the part is {} mm large if its numbers are {}{}; are they? Then pass --unit {}{}", name, size_text(mesh),
+      read_as, unit_from_file ? " as the file says" : "", unit == kUnits.end() ? "mm|cm|m|in" : unit->option,
+      fits_mm ? fmt::format("; if they are millimetres ({:.3g} mm across), --unit mm", as_mm) : ""));
 }
 
 void require_object(const std::string& name, const ObjectFilter& objects) {
@@ -109,7 +123,7 @@ MeshFormat format_of(const MeshSource& source, const std::string& extension) {
   return by_name;
 }
 
-MeshInUnit read_as(MeshFormat format, const MeshSource& source, const std::string& extension) {
+MeshInUnit read_as(MeshFormat format, const MeshSource& source) {
   switch (format) {
     case MeshFormat::kObj:
       return {read_obj(source)};
@@ -126,14 +140,14 @@ MeshInUnit read_as(MeshFormat format, const MeshSource& source, const std::strin
     case MeshFormat::kGltf:
       return read_gltf(source);
     case MeshFormat::kDae:
-      return read_with_library(source, ".dae");
-    case MeshFormat::kLibrary:
-      return read_with_library(source, extension);
+      return read_dae(source);
     case MeshFormat::kUnknown:
       break;
   }
-  throw InputError(
-      fmt::format("{}: is no mesh that is known here; give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF", source.name));
+  throw InputError(fmt::format(
+      "{}: its format is not known here; give a mesh (OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF) or a part in "
+      "STEP or IGES",
+      source.name));
 }
 
 // A pipe has no folder in which a file beside it could lie.
@@ -218,13 +232,12 @@ MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUn
         fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out", name));
   const std::string bytes = without_utf16(read);
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", name));
-  if (const std::string what = foreign_content(bytes); !what.empty())
+  if (const std::string what = not_asked_for(bytes, FileUse::kMesh); !what.empty())
     throw InputError(fmt::format("{}: is {}", name, what));
   MeshFile file;
   ObjectFilter objects{object, {}};
   const MeshSource source{bytes, name, folder_of(path), objects, file.report.notes};
-  const std::string extension = extension_of(path);
-  MeshInUnit in_unit = read_as(format_of(source, extension), source, extension);
+  MeshInUnit in_unit = read_as(format_of(source, extension_of(path)), source);
   file.mesh = std::move(in_unit.mesh);
   file.report.unit_from_file = in_unit.unit_mm > 0.0;
   if (file.report.unit_from_file) file.report.scale_to_mm = in_unit.unit_mm;
@@ -235,6 +248,12 @@ MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUn
   const std::size_t held = file.mesh.faces.size();
   clean(file.mesh, file.report);
   say_dropped(file.report, held);
+  if (const auto place_mm = one_sided_at(file.mesh)) {
+    file.report.notes.push_back(
+        fmt::format("has only one side, as a Möbius strip has: there is no outside, and modules would lie on what is "
+                    "both; it was cut open near ({:.1f}, {:.1f}, {:.1f}) mm",
+                    place_mm->x(), place_mm->y(), place_mm->z()));
+  }
   require_triangles(name, file);
   return file;
 }
@@ -244,7 +263,7 @@ MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUn
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object,
                    const cad::FaceSelection& faces) {
   MeshFile file = read_any_size(path, unit, object, faces);
-  require_size(shown_name(path), file.mesh, unit.has_value() || file.report.unit_from_file);
+  require_size(shown_name(path), file.mesh, file.report.scale_to_mm, unit.has_value(), file.report.unit_from_file);
   return file;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <utility>
@@ -118,6 +119,24 @@ void cover(DesignInWork& work) {
   work.budget.run(kWiringStep, 1.0, [&](double) { take_best(work, choices, surface, regions.get()); });
 }
 
+// The whole skin of an adult has 1.5 to 2 m². More on one part is rather a wrong unit than a wish, and a search for
+// hundreds of controllers; only the person knows.
+void ask_about_area(const DesignInWork& work, double unit_mm) {
+  constexpr double kAskedArea_mm2 = 1.5e6;
+  const double area_mm2 = mesh::area_of(work.design.surface);
+  if (area_mm2 <= kAskedArea_mm2 || work.options.unit) return;
+  const double modules = area_mm2 / design::kModuleArea_mm2;
+  throw InputError(fmt::format(
+      "{}: {:.1f} m² are more than the skin of a person (1.5 m²), for up to {:.0f} modules and {:.0f} "
+      "controllers; is one of its numbers {:g} mm? Then confirm it with --unit {}, or give the right one; --object, "
+      "--side and --face choose less",
+      work.mesh.string(), area_mm2 * 1e-6, modules, std::ceil(modules / design::kModulesAController), unit_mm,
+      unit_mm == 25.4     ? "in"
+      : unit_mm == 1000.0 ? "m"
+      : unit_mm == 10.0   ? "cm"
+                          : "mm"));
+}
+
 // Runs the steps up to the first that decides the answer.
 void run_steps(DesignInWork& work) {
   TimeBudget& budget = work.budget;
@@ -135,6 +154,7 @@ void run_steps(DesignInWork& work) {
   const bool is_decided =
       budget.run("repairing", kRepairShare, [&](double) { return make_surface(work, file, repaired_s); });
   if (!is_decided) return;
+  ask_about_area(work, file.report.scale_to_mm);
   if (work.options.like != nullptr)
     revise(work);
   else

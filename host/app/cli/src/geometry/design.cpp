@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -49,9 +50,16 @@ nlohmann::json steps_json(const std::vector<pipeline::StepTime>& steps) {
   return list;
 }
 
+design::Vec3 size_of(const design::Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const design::Vec3& v : mesh.vertices) box.extend(v);
+  return mesh.vertices.empty() ? design::Vec3(0, 0, 0) : design::Vec3(box.sizes());
+}
+
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
+  const design::Vec3 size_mm = size_of(d.surface);
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
   nlohmann::json keys = {{"modules", d.layout.modules.size()},
                          {"upper_bound", r.upper_bound},
@@ -84,6 +92,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"solver_faces", notes.solver_faces},
                          {"solver_deviation_mm", notes.solver_deviation_mm},
                          {"notes", notes.reading},
+                         {"size_mm", {size_mm.x(), size_mm.y(), size_mm.z()}},
                          {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
     keys["corner_cut_mm"] = d.layout.corner_cut_mm;
@@ -111,8 +120,11 @@ void say_layout(const design::Design& d, Output& output) {
   const std::string cut = d.layout.corner_cut_mm > 0.0 ? fmt::format(", {:.1f} % with corners cut by {:g} mm",
                                                                      100.0 * r.coverage_cut, d.layout.corner_cut_mm)
                                                        : "";
-  output.say(fmt::format("{}: {:.0f} cm², {} placed (at most {} by area), coverage {:.1f} %{}", d.name, r.area_cm2,
-                         counted(d.layout.modules.size(), "module"), r.upper_bound, 100.0 * r.coverage, cut));
+  const design::Vec3 size_mm = size_of(d.surface);
+  output.say(
+      fmt::format("{}: {:.0f} cm², {:.1f} × {:.1f} × {:.1f} mm, {} placed (at most {} by area), coverage {:.1f} %{}",
+                  d.name, r.area_cm2, size_mm.x(), size_mm.y(), size_mm.z(), counted(d.layout.modules.size(), "module"),
+                  r.upper_bound, 100.0 * r.coverage, cut));
   output.say(fmt::format("{} (lower bound {}), {} (lower bound {}), {}", counted(d.patches.size(), "controller"),
                          r.patches_lower_bound, counted(d.layout.jumpers.size(), "jumper"), r.jumpers_lower_bound,
                          counted(d.layout.islands, "island")));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -279,7 +280,15 @@ int run(const Options& options, Output& output) {
     const placement::PlacementResult& r = results.back();
     modules += r.modules;
     pieces.push_back(result_of(polygon, r, options, output));
-    if (!output.json()) say_result(r, options, output);
+    Eigen::AlignedBox2d box;
+    for (const design::Vec2& p : polygon.outer) box.extend(p);
+    pieces.back()["size_mm"] = {box.sizes().x(), box.sizes().y()};
+    pieces.back()["area_cm2"] = placement::polygon_area(polygon) / 100.0;
+    if (!output.json()) {
+      output.say(fmt::format("outline of {:.1f} × {:.1f} mm, {:.1f} cm²", box.sizes().x(), box.sizes().y(),
+                             placement::polygon_area(polygon) / 100.0));
+      say_result(r, options, output);
+    }
   }
   output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
   if (pieces.size() > 1)
@@ -345,7 +354,7 @@ void add_search_limits(CLI::App& app, Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("POLYGON", options.polygon,
-                 "GeoJSON or WKT polygon in mm, holes allowed; or the net that unfold writes")
+                 "GeoJSON or WKT polygon in mm, holes allowed; a drawing in DXF or SVG; or the net that unfold writes")
       ->required();
   app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
   app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));

@@ -5,7 +5,7 @@
 
 namespace triskin::mesh {
 
-enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf, kDae, kLibrary, kUnknown };
+enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf, kDae, kUnknown };
 
 /// Returns the name of a format for messages: "OBJ", "STL" …
 [[nodiscard]] std::string_view name_of(MeshFormat format);
@@ -16,9 +16,5 @@ enum class MeshFormat { kObj, kTextStl, kBinaryStl, kPly, kOff, kThreeMf, kGltf,
 
 /// Returns the format of a file extension (lower case, with the dot); kUnknown for an empty or unknown one.
 [[nodiscard]] MeshFormat format_by_extension(std::string_view extension);
-
-/// Explains what the bytes are if they are no mesh, with a remedy: "a pointer of Git LFS; run git lfs pull". Empty if
-/// they may be a mesh. Cost: as format_by_content().
-[[nodiscard]] std::string foreign_content(const std::string& bytes);
 
 }  // namespace triskin::mesh

@@ -83,11 +83,13 @@ std::string from_base64(std::string_view text) {
 }
 
 // These extensions change no surface (materials, textures, lights, cameras, variants, meta data) or are read (quantized
-// positions).
+// positions, visibility, instances).
 bool is_known(std::string_view extension) {
   constexpr std::array<std::string_view, 6> kBeginnings{"KHR_materials_", "KHR_texture_",  "KHR_lights_",
                                                         "EXT_texture_",   "MSFT_texture_", "KHR_xmp"};
-  if (extension == "KHR_mesh_quantization") return true;
+  if (extension == "KHR_mesh_quantization" || extension == "KHR_node_visibility" ||
+      extension == "EXT_mesh_gpu_instancing")
+    return true;
   return std::ranges::any_of(kBeginnings, [&](std::string_view b) { return extension.starts_with(b); });
 }
 
@@ -198,6 +200,12 @@ std::vector<double> GltfDocument::numbers(const json& object, const char* key, s
   return values;
 }
 
+std::vector<double> GltfDocument::list(const json& object, const char* key) const {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array()) return {};
+  return numbers(object, key, found->size());
+}
+
 std::string GltfDocument::load(const json& buffer, std::size_t index) const {
   if (!buffer.contains("uri")) {
     if (index == 0 && has_binary_) return binary_;
@@ -289,7 +297,7 @@ void GltfDocument::require_type(const json& accessor, std::size_t index, const c
 
 std::vector<double> GltfDocument::accessor(std::size_t index, std::size_t width) {
   const json& j = element("accessors", index);
-  require_type(j, index, width == 1 ? "SCALAR" : "VEC3");
+  require_type(j, index, width == 1 ? "SCALAR" : width == 3 ? "VEC3" : width == 4 ? "VEC4" : "MAT4");
   const std::size_t count = whole(j, "count"), type = whole(j, "componentType");
   if (count > kMaxElements) fail(fmt::format("accessors[{}] has too many elements", index));
   const bool is_normalized = j.contains("normalized") && j["normalized"] == true;

@@ -25,7 +25,10 @@ class GltfDocument {
   [[nodiscard]] std::size_t whole(const nlohmann::json& object, const char* key) const;
   /// Returns the numbers of a list that must have `n` of them; empty if the key is missing.
   [[nodiscard]] std::vector<double> numbers(const nlohmann::json& object, const char* key, std::size_t n) const;
-  /// Returns the elements of accessor `index`, which must have `width` components each (1: SCALAR, 3: VEC3). Integers
+  /// Returns the numbers of a list of any length; empty if the key is missing.
+  [[nodiscard]] std::vector<double> list(const nlohmann::json& object, const char* key) const;
+  /// Returns the elements of accessor `index`, which must have `width` components each (1: SCALAR, 3: VEC3, 4: VEC4,
+  /// 16: MAT4 of floats). Integers
   /// are normalized if the accessor asks for it (also KHR_mesh_quantization), and sparse values are applied. Cost:
   /// linear.
   [[nodiscard]] std::vector<double> accessor(std::size_t index, std::size_t width);

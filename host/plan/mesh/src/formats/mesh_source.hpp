@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "object_filter.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/design/design_types.hpp"
 
 namespace triskin::mesh {
@@ -24,6 +25,12 @@ struct MeshSource {
 /// Returns the note about nodes or items of a file whose transform has a determinant of 0.
 [[nodiscard]] inline std::string flattened_note(std::size_t count) {
   return std::to_string(count) + " of its shown meshes are flattened by a scale of 0 in the file";
+}
+
+/// Returns the note about objects that their author switched off. Ranges of triangles have no name for --object.
+[[nodiscard]] inline std::string hidden_note(const std::vector<std::string>& names, bool have_ranges = false) {
+  return "switched off in the file and left out: " + short_list(names, 5) +
+         (have_ranges ? "" : "; --object takes one of them");
 }
 
 /// Faces in the unit of their file, and that unit.

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "package.hpp"
@@ -15,6 +16,7 @@
 #include "text_numbers.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "xml_reader.hpp"
 
 namespace triskin::mesh {
@@ -42,12 +44,34 @@ constexpr std::array<UnitRow, 6> kUnits{
 struct Shown {
   std::string part, id;
   Eigen::Affine3d place;
+  bool is_printable = true;
 };
 struct Object {
   std::string name, type;
   Mesh mesh;
   std::vector<Shown> components;
+  std::string slicer_role{};      // The slicer takes it for this, not for a part of the body.
+  std::string lattice_or_slices;  // "a beam lattice" or "slices" that stand for its body
 };
+// What a slicer says of triangles or of a component of an object (docs/mesh.md).
+struct SlicerVolume {
+  std::string name, role;
+  std::size_t first_face = 0, last_face = 0;  // PrusaSlicer, SuperSlicer: a range of the object's triangles
+  std::string component;                      // Bambu Studio, OrcaSlicer: the object that the component shows
+};
+using SlicerVolumes = std::map<std::string, std::vector<SlicerVolume>>;  // by object of the root model
+
+// Slicers keep bodies in a project that are no part of the print: ranges of other settings, cuts, supports.
+std::string role_of(std::string_view type) {
+  const std::string lower = lower_case(type);
+  if (lower.empty() || lower == "modelpart" || lower == "normal_part") return {};
+  if (lower.starts_with("negative")) return "negative volume";
+  if (lower.starts_with("modifier") || lower == "parametermodifier") return "modifier";
+  if (lower.starts_with("support"))
+    return "support " + lower.substr(std::min<std::size_t>(lower.size(), lower[7] == '_' ? 8 : 7));
+  return lower;
+}
+
 struct Model {
   double unit_mm = 1.0;
   std::map<std::string, Object> objects;
@@ -65,6 +89,10 @@ class ModelReader {
     handler.start = [this](const XmlTag& tag) { start(tag); };
     handler.end = [this](std::string_view space, std::string_view name) {
       if (space == kCore && name == "object") object_ = nullptr;
+      if (space == kCore && name == "metadata") end_metadata();
+    };
+    handler.text = [this](std::string_view text) {
+      if (!metadata_.empty()) metadata_text_ += text;
     };
     parse_xml(bytes, fmt::format("{}, part {}", file_, part_.substr(0, 80)), handler);
     if (!has_model_) throw InputError(fmt::format("{}: its part {} is no 3MF model", file_, part_.substr(0, 80)));
@@ -79,15 +107,31 @@ class ModelReader {
 
   void start(const XmlTag& tag) {
     line_ = tag.line;
+    if (object_ != nullptr && tag.name == "beamlattice") object_->lattice_or_slices = "a beam lattice";
     if (tag.space != kCore) return;
     if (tag.name == "model") return model(tag);
     if (tag.name == "object") return object(tag);
     if (tag.name == "item") return model_.build.push_back(shown(tag));
     if (object_ == nullptr) return;
+    if (tag.name == "metadata") metadata_ = tag.attribute("name");
     if (tag.name == "component") object_->components.push_back(shown(tag));
     if (tag.name == "vertex") object_->mesh.vertices.emplace_back(number(tag, "x"), number(tag, "y"), number(tag, "z"));
     if (tag.name == "triangle")
       object_->mesh.faces.push_back({corner(tag, "v1"), corner(tag, "v2"), corner(tag, "v3")});
+  }
+
+  // Cura marks what is no part of the print by metadata of the object.
+  void end_metadata() {
+    const std::string name = std::exchange(metadata_, {}), text = lower_case(std::exchange(metadata_text_, {}));
+    if (object_ == nullptr || (text != "true" && text != "1")) return;
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kRoles{
+        {{"cura:infill_mesh", "modifier"},
+         {"cura:cutting_mesh", "cutting mesh"},
+         {"cura:support_mesh", "support"},
+         {"cura:anti_overhang_mesh", "support blocker"}}};
+    for (const auto& [key, role] : kRoles) {
+      if (name == key) object_->slicer_role = role;
+    }
   }
 
   void model(const XmlTag& tag) {
@@ -110,6 +154,9 @@ class ModelReader {
     if (id.empty() || model_.objects.contains(id)) fail("an object without an id of its own");
     object_ = &model_.objects[id];
     const std::string_view name = tag.attribute("name"), type = tag.attribute("type");
+    for (const auto& [key, value] : tag.attributes) {
+      if (key.ends_with("slicestackid")) object_->lattice_or_slices = "slices";
+    }
     object_->name = name.empty() ? id : std::string(name);
     object_->type = type.empty() ? "model" : std::string(type);
   }
@@ -128,7 +175,8 @@ class ModelReader {
   // A transform has twelve numbers: the rows of a matrix that is multiplied from the left by a point (x, y, z, 1).
   [[nodiscard]] Shown shown(const XmlTag& tag) const {
     const std::string path = percent_decoded(tag.attribute("path", kProduction));
-    Shown s{path.empty() ? part_ : path, std::string(tag.attribute("objectid")), Eigen::Affine3d::Identity()};
+    Shown s{path.empty() ? part_ : path, std::string(tag.attribute("objectid")), Eigen::Affine3d::Identity(),
+            tag.attribute("printable") != "0"};
     std::string text(tag.attribute("transform"));
     std::ranges::replace_if(text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
     std::string_view rest = text;
@@ -144,6 +192,7 @@ class ModelReader {
   std::map<std::string, std::string> spaces_;  // Maps a prefix to the URI of its namespace.
   Model model_;
   Object* object_ = nullptr;
+  std::string metadata_, metadata_text_;  // its name and contents while it is open
   long line_ = 0;
   bool has_model_ = false;
 };
@@ -156,10 +205,16 @@ class ThreeMf {
     const Model& root = model(root_part());
     if (root.build.empty()) fail("its build has no items: the file shows nothing");
     result_.unit_mm = root.unit_mm;
+    read_slicer_volumes();
     for (const Shown& item : root.build) show(item, Eigen::Affine3d::Identity(), source_.objects.wanted.empty(), 0);
     for (const auto& [type, count] : left_out_) {
       source_.notes.push_back(
           fmt::format("{} objects of the type \"{}\" are no part of the body and were left out", count, type));
+    }
+    if (!hidden_.empty()) source_.notes.push_back(hidden_note(hidden_, hides_ranges_));
+    if (result_.mesh.faces.empty() && !lattice_or_slices_.empty()) {
+      source_.notes.push_back(
+          fmt::format("its body is {}, which is not read; export it as triangles", lattice_or_slices_));
     }
     if (flattened_ > 0) source_.notes.push_back(flattened_note(flattened_));
     return std::move(result_);
@@ -191,20 +246,90 @@ class ThreeMf {
     return models_.emplace(part, ModelReader(source_.name, part).read(package_.read(part))).first->second;
   }
 
-  void show(const Shown& item, const Eigen::Affine3d& parent, bool is_in, int depth) {
+  // PrusaSlicer and its kin keep roles of triangles, Bambu Studio and its kin of components, each in a part of its own
+  // beside the model.
+  void read_slicer_volumes() {
+    for (const char* part :
+         {"Metadata/Slic3r_PE_model.config", "Metadata/Slic3r_model.config", "Metadata/Prusa_Slicer_model.config",
+          "Metadata/SuperSlicer_model.config", "Metadata/model_settings.config"}) {
+      if (!package_.has(part)) continue;
+      std::string object;
+      SlicerVolume* volume = nullptr;
+      XmlHandler handler;
+      handler.start = [&](const XmlTag& tag) {
+        if (tag.name == "object") object = tag.attribute("id");
+        if (tag.name == "volume" || tag.name == "part") {
+          volume = &slicer_volumes_[object].emplace_back();
+          volume->first_face = static_cast<std::size_t>(whole_number(tag.attribute("firstid")).value_or(0));
+          volume->last_face = static_cast<std::size_t>(whole_number(tag.attribute("lastid")).value_or(-1));
+          if (tag.name == "part") volume->component = tag.attribute("id");
+          volume->role = role_of(tag.attribute("subtype"));
+        }
+        if (tag.name != "metadata" || volume == nullptr) return;
+        const std::string_view key = tag.attribute("key"), value = tag.attribute("value");
+        if (key == "name") volume->name = value;
+        if (key == "volume_type") volume->role = role_of(value);
+        if (key == "modifier" && value == "1" && volume->role.empty()) volume->role = "modifier";
+      };
+      handler.end = [&](std::string_view, std::string_view name) {
+        if (name == "volume" || name == "part") volume = nullptr;
+      };
+      parse_xml(package_.read(part), fmt::format("{}, part {}", source_.name, part), handler);
+    }
+  }
+
+  void hide(const std::string& name, const std::string& why) {
+    const std::string text = fmt::format("{} ({})", name, why);
+    if (std::ranges::find(hidden_, text) == hidden_.end()) hidden_.push_back(text);
+  }
+
+  // What the author switched off is shown only if it is the wanted object.
+  void show(const Shown& item, const Eigen::Affine3d& parent, bool is_in, int depth, const std::string& role = {}) {
     if (depth > kMaxDepth || ++shown_ > kMaxShown) fail("its components have no end");
     const Model& in = model(item.part);
     const auto found = in.objects.find(item.id);
     if (found == in.objects.end()) fail(fmt::format("it has no object {}", item.id.substr(0, 20)));
     const Object& object = found->second;
     const Eigen::Affine3d place = parent * item.place;
-    is_in = source_.objects.meets(object.name) || is_in;
+    const bool is_wanted = source_.objects.meets(object.name);
+    std::string why = item.is_printable ? object.slicer_role : "printable=\"0\"";
+    if (why.empty()) why = role;
+    if (is_in && !is_wanted && !why.empty()) {
+      hide(object.name, why);
+      is_in = false;
+    }
+    is_in = is_wanted || is_in;
     if (object.type != "model" && object.type != "surface" && source_.objects.wanted.empty()) {
       ++left_out_[object.type];
       return;
     }
-    for (const Shown& component : object.components) show(component, place, is_in, depth + 1);
-    if (is_in) append(object.mesh, place, in.unit_mm / result_.unit_mm);
+    const auto volumes = depth == 0 ? slicer_volumes_.find(item.id) : slicer_volumes_.end();
+    for (const Shown& component : object.components) {
+      std::string part_role;
+      if (volumes != slicer_volumes_.end()) {
+        const auto part = std::ranges::find(volumes->second, component.id, &SlicerVolume::component);
+        if (part != volumes->second.end()) part_role = part->role;
+      }
+      show(component, place, is_in, depth + 1, part_role);
+    }
+    if (!is_in) return;
+    if (!object.lattice_or_slices.empty() && object.mesh.faces.empty()) lattice_or_slices_ = object.lattice_or_slices;
+    const bool has_roles = volumes != slicer_volumes_.end() && !object.mesh.faces.empty();
+    append(has_roles ? without_roles(object.mesh, volumes->second) : object.mesh, place, in.unit_mm / result_.unit_mm);
+  }
+
+  Mesh without_roles(const Mesh& mesh, const std::vector<SlicerVolume>& volumes) {
+    Mesh kept = mesh;
+    for (const SlicerVolume& volume : volumes) {
+      if (volume.role.empty() || !volume.component.empty()) continue;
+      hide(volume.name.empty() ? fmt::format("triangles {} to {}", volume.first_face, volume.last_face) : volume.name,
+           volume.role);
+      hides_ranges_ = true;
+      for (std::size_t f = volume.first_face; f < mesh.faces.size() && f <= volume.last_face; ++f)
+        kept.faces[f] = {0, 0, 0};
+    }
+    std::erase_if(kept.faces, [](const auto& f) { return f[0] == f[1] && f[1] == f[2]; });
+    return kept;
   }
 
   // A part may have another unit than the root.
@@ -229,6 +354,10 @@ class ThreeMf {
   std::map<std::string, int> left_out_;  // The key is the type of an object, the value the number of objects left out.
   int shown_ = 0;
   std::size_t flattened_ = 0;
+  SlicerVolumes slicer_volumes_;
+  std::vector<std::string> hidden_;  // what the author switched off, and how
+  bool hides_ranges_ = false;        // Some of it are triangles of an object.
+  std::string lattice_or_slices_;    // of an object without triangles
   MeshInUnit result_;
 };
 

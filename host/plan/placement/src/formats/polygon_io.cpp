@@ -11,8 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "outline.hpp"
 #include "polygon_rules.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/geometry/segment.hpp"
@@ -68,6 +70,13 @@ Polygon from_coordinates(const json& rings, const std::string& name) {
   return polygon;
 }
 
+bool are_polygons(const json& list) {
+  return std::ranges::all_of(list, [](const json& j) {
+    const json& geometry = j.is_object() && j.contains("geometry") ? j["geometry"] : j;
+    return geometry.is_object() && geometry.value("type", json()) == "Polygon";
+  });
+}
+
 Polygon from_geojson(const json& j, const std::string& name) {
   const std::string type =
       j.is_object() && j.contains("type") && j["type"].is_string() ? j["type"].get<std::string>() : "";
@@ -77,8 +86,11 @@ Polygon from_geojson(const json& j, const std::string& name) {
   }
   const char* list = type == "FeatureCollection" ? "features" : type == "GeometryCollection" ? "geometries" : nullptr;
   if (list != nullptr) {
-    if (!j.contains(list) || !j[list].is_array() || j[list].size() != 1)
-      fail(name, fmt::format("\"{}\" must hold exactly one polygon", list));
+    if (!j.contains(list) || !j[list].is_array()) fail(name, fmt::format("\"{}\" must be a list", list));
+    if (j[list].size() != 1)
+      fail(name,
+           fmt::format("holds {} {}, where exactly one polygon is wanted; place each one alone, from a file of its own",
+                       j[list].size(), j[list].size() == 0 || !are_polygons(j[list]) ? list : "polygons"));
     return from_geojson(j[list][0], name);
   }
   constexpr std::array<std::string_view, 4> kOthers{"Point", "MultiPoint", "LineString", "MultiLineString"};
@@ -106,7 +118,8 @@ class WktReader {
     read_srid();
     const std::string type = word();
     const bool is_multi = type.starts_with("MULTIPOLYGON");
-    if (!is_multi && !type.starts_with("POLYGON")) fail_here("expected POLYGON (WKT) or a GeoJSON object");
+    if (!is_multi && !type.starts_with("POLYGON"))
+      fail_here("expected POLYGON (WKT), a GeoJSON object, or a drawing in DXF or SVG");
     read_dimension(type.substr(is_multi ? 12 : 7));
     if (is_multi) expect('(');
     Polygon polygon = rings();
@@ -159,7 +172,7 @@ class WktReader {
       numbers_ = 2 + next.size();
       next = word();
     } else if (!dimension.empty()) {
-      fail_here("expected POLYGON (WKT) or a GeoJSON object");
+      fail_here("expected POLYGON (WKT), a GeoJSON object, or a drawing in DXF or SVG");
     }
     if (next == "EMPTY") fail(name_, "the polygon is EMPTY: it has no rings");
     if (!next.empty()) fail_here(fmt::format("\"{}\" is unknown here", next.substr(0, 20)));
@@ -370,6 +383,10 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
 std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name) {
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm, or a net");
+  const std::optional<FileKind> kind = text[first] == '{' ? std::nullopt : file_kind(text);
+  if (kind && kind->what == "a DXF drawing") return {valid_polygon(polygon_of_dxf(text, name), name)};
+  if (kind && kind->what == "an SVG drawing") return {valid_polygon(polygon_of_svg(text, name), name)};
+  if (kind && kind->use != FileUse::kOutline) fail(name, "is " + not_asked_for(text, FileUse::kOutline));
   if (text[first] != '{') return {valid_polygon(WktReader(text, name).read(), name)};
   const json document = design::parse_json(text.substr(first), name);
   if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);

@@ -65,6 +65,7 @@ struct Face {
   design::Vec3 place_mm{0, 0, 0};  ///< This point of the face's mesh lies near its middle.
   design::Vec3 normal{0, 0, 0};    ///< The mean outward normal has unit length, and is zero for a closed face.
   double deviation_mm = 0.0;       ///< The largest distance found between its triangles and the exact surface.
+  bool is_hidden = false;          ///< Its author switched it off (alone, or its body, layer or component).
   std::string fault;               ///< The reason why the mesh of the face cannot be trusted; empty if it is sound.
 };
 

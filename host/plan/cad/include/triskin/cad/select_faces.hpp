@@ -28,7 +28,8 @@ struct FaceSelection {
   [[nodiscard]] bool is_empty() const;
 };
 
-/// Returns the indices of the selected faces, ascending; all of them for an empty selection. Errors: InputError for an
+/// Returns the indices of the selected faces, ascending; all of them for an empty selection, except those that their
+/// author switched off, which only an index, a name or a body selects. Errors: InputError for an
 /// index, a name, a colour or a body that the part lacks (listing up to ten that it has), and when no face meets all
 /// conditions. Cost: linear; with a point O(n log n).
 [[nodiscard]] std::vector<design::BrepFaceIndex> select_faces(const Part& part, const FaceSelection& selection);

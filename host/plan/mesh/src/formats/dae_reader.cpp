@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "library_reader.hpp"
+#include "dae_reader.hpp"
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -23,16 +23,6 @@ namespace {
 
 // For files of 0.1, 5 and 67 MB the whole program needed less than eleven times their size.
 constexpr std::uint64_t kSpareMemory_bytes = 256'000'000, kMemoryFactor = 40;
-
-// Returns the unit of formats for which assimp reports it as a property of the scene; 0 if there is none.
-double unit_of_scene_mm(const aiScene& scene) {
-  double centimetres = 0.0;
-  float single = 0.0F;
-  if (scene.mMetaData == nullptr) return 0.0;
-  if (scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0.0) return centimetres * 10.0;
-  if (scene.mMetaData->Get("UnitScaleFactor", single) && single > 0.0F) return static_cast<double>(single) * 10.0;
-  return 0.0;
-}
 
 void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
   const int base = static_cast<int>(out.vertices.size());
@@ -84,17 +74,14 @@ class Collector {
 };
 
 // The child process returns "m", unit, length of the names, names each on a line, mesh; or "!".
-std::string library_answer(const std::string& bytes, const std::string& extension, double dae_unit_mm,
-                           ObjectFilter objects) {
+std::string library_answer(const std::string& bytes, double unit_mm, ObjectFilter objects) {
   Assimp::Importer importer;
   // RViz and MoveIt read such files in the same way.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
-                                                     extension.empty() ? "" : extension.c_str() + 1);
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, "dae");
   if (scene == nullptr || scene->mRootNode == nullptr) return "!";
   Mesh mesh = Collector(*scene, objects).run();
-  const double unit_mm = extension == ".dae" ? dae_unit_mm : unit_of_scene_mm(*scene);
-  if (extension == ".dae" && unit_mm > 0.0) {
+  if (unit_mm > 0.0) {
     // The library converts to metres, but this reader returns the file's numbers.
     for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;
   }
@@ -127,18 +114,19 @@ MeshInUnit taken_from(const std::string& answer, ObjectFilter& objects) {
 
 // The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a
 // process of its own.
-MeshInUnit read_with_library(const MeshSource& source, const std::string& extension) {
+MeshInUnit read_dae(const MeshSource& source) {
   const auto damaged = [&](const char* why) {
     return InputError(fmt::format("{}: not a mesh that can be read ({}); repair or export it again", source.name, why));
   };
-  const double dae_unit_mm = extension == ".dae" ? checked_collada_unit_mm(source) : 0.0;
+  const double unit_mm = checked_collada_unit_mm(source);
   // A damaged count of elements makes the library reserve gigabytes.
   const IsolatedLimits limits{static_cast<unsigned>(1 + source.bytes.size() / 500'000),
                               kSpareMemory_bytes + kMemoryFactor * source.bytes.size()};
-  const auto answer =
-      run_isolated([&] { return library_answer(source.bytes, extension, dae_unit_mm, source.objects); }, limits);
+  const auto answer = run_isolated([&] { return library_answer(source.bytes, unit_mm, source.objects); }, limits);
   if (!answer || answer->empty()) throw damaged("the file is damaged");
   if (answer->front() == '!') throw damaged("its contents are not what the format says");
+  if (source.bytes.find("<instance_controller") != std::string::npos)
+    source.notes.emplace_back("its skeleton is not applied: meshes are as they were bound");
   MeshInUnit result = taken_from(*answer, source.objects);
   for (const auto& f : result.mesh.faces) {
     for (const int v : f) {

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/base/file_kind.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace triskin {
+namespace {
+
+using namespace std::string_literals;
+
+// An archive with one empty file, byte by byte (APPNOTE.TXT of PKWARE, 4.3): local header of 30 bytes and the name,
+// entry of 46 bytes and the name, end record of 22 bytes.
+std::string zip_with(const std::string& name) {
+  const auto length = static_cast<char>(name.size());
+  const std::string local = "PK\x03\x04"s + std::string(22, '\0') + length + "\0\0\0"s + name;
+  const std::string entry = "PK\x01\x02"s + std::string(24, '\0') + length + std::string(17, '\0') + name;
+  const auto start = static_cast<char>(local.size());
+  return local + entry + "PK\x05\x06"s + std::string(12, '\0') + start + "\0\0\0\0\0"s;
+}
+
+TEST(FileKind, is_told_by_content) {
+  const std::vector<std::pair<std::string, std::string>> kinds{
+      {zip_with("cover.stl"), "a zip archive with cover.stl in it"},
+      {zip_with("Document.xml"), "a FreeCAD document"},
+      {zip_with("a.usdc"), "a USD scene (USDZ)"},
+      {"**ABCDEFGHIJKLMNOPQRSTUVWXYZabc", "a Parasolid model (text)"},
+      {"PS\0\0?"s, "a Parasolid model (binary)"},
+      {"700 0 1 0\n16 Autodesk AutoCAD 19 ASM 225.0 1.2 NT 24\n", "an ACIS model (SAT)"},
+      {"MM\x0E\0\0\0........"s, "a 3DS scene"},
+      {"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "a DXF drawing"},
+      {"999\nby hand\n0\nSECTION\n2\nENTITIES\n", "a DXF drawing"},
+      {"<?xml version='1.0'?>\n<!-- a --><svg:svg xmlns:svg='http://www.w3.org/2000/svg'/>", "an SVG drawing"},
+      {":10010000214601360121470136007EFE09D2190140\n", "an Intel HEX file"},
+      {"S00600004844521B\n", "a file of Motorola S-records"},
+      {"(1700000000.000100) can0 18DA01F1#0322F190\n", "a candump log"},
+      {"  can0  7DF   [8]  02 01 0C 00 00 00 00 00\n", "a candump log"},
+      {"x;y;z\n1,0;2,0;3,0\n", "a table of text (CSV)"}};
+  for (const auto& [bytes, what] : kinds) {
+    const auto kind = file_kind(bytes);
+    ASSERT_TRUE(kind) << what;
+    EXPECT_EQ(kind->what, what);
+  }
+}
+
+// What a command reads as a part has no kind here, and neither has what nobody knows.
+TEST(FileKind, meshes_and_unknown_bytes_have_none) {
+  for (const std::string& bytes :
+       {"v 0 0 0\nv 1,5 2,5 3,5\n"s, "solid x\nfacet normal 0 0 1\n"s, "OFF\n3 1 0\n"s, "ply\nformat ascii 1.0\n"s,
+        "PSALM 1\n"s, zip_with("3D/3dmodel.model"), R"({"asset":{"version":"2.0"}})"s, "<COLLADA/>"s, ""s, "\1\2\3"s})
+    EXPECT_FALSE(file_kind(bytes)) << bytes;
+}
+
+TEST(FileKind, next_step_depends_on_what_was_asked_for) {
+  EXPECT_EQ(not_asked_for("#usda 1.0\n", FileUse::kMesh), "a USD scene (text); export it as OBJ, STL, 3MF or glTF");
+  EXPECT_EQ(not_asked_for(zip_with("Document.xml"), FileUse::kMesh),
+            "a FreeCAD document; export the part as STEP, or as a mesh (STL, OBJ, 3MF)");
+  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'/>", FileUse::kRobot),
+            "a xacro robot description; make a URDF of it: xacro FILE > robot.urdf");
+  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'/>", FileUse::kMesh),
+            "a xacro robot description; give one of the meshes that it names");
+  EXPECT_EQ(not_asked_for("<robot/>", FileUse::kRobot), "");
+  EXPECT_EQ(not_asked_for("\x89MCAP0\r\n", FileUse::kRecording), "");
+  EXPECT_EQ(not_asked_for("<svg/>", FileUse::kOutline), "");
+}
+
+TEST(FileKind, names_of_a_damaged_archive_are_none) {
+  const std::string whole = zip_with("cover.stl");
+  EXPECT_EQ(names_in_zip(whole), std::vector<std::string>{"cover.stl"});
+  for (std::size_t cut = 0; cut < whole.size(); ++cut) EXPECT_TRUE(names_in_zip(whole.substr(0, cut)).empty()) << cut;
+}
+
+}  // namespace
+}  // namespace triskin

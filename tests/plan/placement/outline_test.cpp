@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Outlines of drawing programs. Areas are those of the shapes by their formulas; chords lie inside an arc by at most
+// the tolerance, so that an area lacks less than length times tolerance.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+
+#include "triskin/base/error.hpp"
+#include "triskin/placement/polygon_io.hpp"
+
+namespace triskin::placement {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr double kPi = std::numbers::pi, kTolerance_mm = 0.01;
+
+std::string dxf(const std::string& entities, const std::string& unit = "4", const std::string& tables = "") {
+  return "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n" + unit + "\n0\nENDSEC\n" + tables + "0\nSECTION\n2\nENTITIES\n" +
+         entities + "0\nENDSEC\n0\nEOF\n";
+}
+std::string svg(const std::string& inside, const std::string& head = R"(width="100mm" viewBox="0 0 100 100")") {
+  return "<?xml version=\"1.0\"?><svg xmlns=\"http://www.w3.org/2000/svg\" " + head + ">" + inside + "</svg>";
+}
+double area_of(const std::string& text) {
+  return polygon_area(parse_polygon(text, "drawing"));
+}
+std::string error_of(const std::string& text) {
+  try {
+    (void)parse_polygon(text, "drawing");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+void expect_area(const std::string& text, double area_mm2, double length_mm) {
+  EXPECT_NEAR(area_of(text), area_mm2, kTolerance_mm * length_mm) << text;
+}
+
+// A bulge of 1 is a half circle to the right of a side that runs counter-clockwise: outside.
+TEST(DxfOutline, arcs_bulges_and_circles) {
+  const double r = 50.0;
+  expect_area(dxf("0\nCIRCLE\n10\n5\n20\n7\n40\n50\n"), kPi * r * r, 2 * kPi * r);
+  expect_area(dxf("0\nLWPOLYLINE\n90\n2\n70\n1\n10\n0\n20\n0\n42\n1\n10\n100\n20\n0\n42\n1\n"), kPi * r * r,
+              2 * kPi * r);
+  const std::string d = "0\nLINE\n10\n0\n20\n50\n11\n0\n21\n-50\n";
+  expect_area(dxf("0\nARC\n10\n0\n20\n0\n40\n50\n50\n270\n51\n90\n" + d), kPi * r * r / 2, kPi * r);
+  expect_area(dxf("0\nELLIPSE\n10\n0\n20\n0\n11\n60\n21\n0\n40\n0.5\n"), kPi * 60 * 30, 300);
+  expect_area(
+      dxf("0\nPOLYLINE\n66\n1\n70\n1\n0\nVERTEX\n10\n0\n20\n0\n42\n1\n0\nVERTEX\n10\n100\n20\n0\n42\n1\n0\nSEQEND\n"),
+      kPi * r * r, 2 * kPi * r);
+}
+
+// The quarter circle as a rational curve of degree 2: weights 1, cos 45°, 1.
+TEST(DxfOutline, rational_spline) {
+  const std::string spline =
+      "0\nSPLINE\n70\n4\n71\n2\n72\n6\n73\n3\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0."
+      "7071067811865476\n41\n1\n"
+      "10\n50\n20\n0\n10\n50\n20\n50\n10\n0\n20\n50\n";
+  expect_area(dxf(spline + "0\nLINE\n10\n0\n20\n50\n11\n0\n21\n0\n0\nLINE\n10\n0\n20\n0\n11\n50\n21\n0\n"),
+              kPi * 2500 / 4, 80);
+}
+
+TEST(DxfOutline, units_layers_and_mirrored_planes) {
+  const std::string square =
+      "0\nLWPOLYLINE\n8\nA\n90\n4\n70\n1\n10\n0\n20\n0\n10\n4\n20\n0\n10\n4\n20\n4\n10\n0\n20\n4\n";
+  EXPECT_DOUBLE_EQ(area_of(dxf(square, "1")), 16 * 25.4 * 25.4);
+  EXPECT_DOUBLE_EQ(area_of(dxf(square, "5")), 1600.0);
+  EXPECT_DOUBLE_EQ(area_of(dxf(square, "6")), 16e6);
+  EXPECT_THAT(error_of(dxf(square, "7")), HasSubstr("$INSUNITS 7 is no unit of a part"));
+  const std::string other = "0\nCIRCLE\n8\nB\n10\n900\n20\n0\n40\n5\n";
+  for (const char* state : {"70\n0\n62\n-7\n", "70\n1\n62\n7\n"}) {
+    const std::string layers = std::string("0\nSECTION\n2\nTABLES\n0\nLAYER\n2\nB\n") + state + "0\nENDSEC\n";
+    EXPECT_DOUBLE_EQ(area_of(dxf(square + other, "4", layers)), 16.0);
+  }
+  EXPECT_THAT(error_of(dxf(square + other)), HasSubstr("2 outlines"));
+  const Polygon mirrored = parse_polygon(dxf("0\nCIRCLE\n10\n100\n20\n0\n40\n5\n230\n-1\n"), "m");
+  for (const Vec2& p : mirrored.outer) EXPECT_NEAR(p.x(), -100.0, 5.001);
+}
+
+TEST(DxfOutline, says_what_is_wrong) {
+  EXPECT_THAT(error_of(dxf("0\nLINE\n10\n0\n20\n0\n11\n50\n21\n0\n0\nLINE\n10\n50\n20\n0\n11\n50\n21\n50\n")),
+              HasSubstr("the outline is open"));
+  EXPECT_THAT(error_of(dxf("0\nINSERT\n2\nB\n10\n0\n20\n0\n")), HasSubstr("INSERT is not read; explode it"));
+  EXPECT_THAT(error_of(dxf("0\nTEXT\n1\nhello\n")), HasSubstr("holds no curve that is read, but TEXT"));
+  EXPECT_THAT(error_of(dxf("0\nCIRCLE\n10\n0\n20\n0\n")), HasSubstr("line 15: CIRCLE lacks its group 40"));
+  const std::string whole = dxf("0\nCIRCLE\n10\n0\n20\n0\n40\n9\n");
+  for (std::size_t cut = 12; cut + 5 < whole.size(); cut += 3)
+    EXPECT_NE(error_of(whole.substr(0, cut)), "accepted") << cut;
+}
+
+TEST(SvgOutline, shapes_and_their_units) {
+  EXPECT_NEAR(area_of(svg(R"(<rect x="10" y="10" width="50" height="40"/>)")), 2000.0, 1e-9);
+  expect_area(svg(R"(<circle cx="50" cy="50" r="40"/>)"), kPi * 1600, 2 * kPi * 40);
+  expect_area(svg(R"(<rect width="60" height="40" rx="10"/>)"), 60 * 40 - (4 - kPi) * 100, 200);
+  EXPECT_NEAR(area_of(svg(R"(<polygon points="0,0 50,0 50,50"/>)")), 1250.0, 1e-9);
+  // Without a viewBox a unit is a pixel, 96 of them an inch; with one the width gives the scale.
+  EXPECT_NEAR(area_of(svg(R"(<rect width="96" height="96"/>)", "")), 25.4 * 25.4, 1e-9);
+  EXPECT_NEAR(area_of(svg(R"(<rect width="10" height="10"/>)", R"(width="4in" viewBox="0 0 40 40")")), 25.4 * 25.4,
+              1e-9);
+}
+
+TEST(SvgOutline, paths) {
+  EXPECT_NEAR(area_of(svg(R"(<path d="M10 10h50v40h-50z"/>)")), 2000.0, 1e-9);
+  EXPECT_NEAR(area_of(svg(R"(<path d="m10,10 50,0 0,40 -50,0z"/>)")), 2000.0, 1e-9);
+  // Two half circles; then the flags of arcs without blanks between them.
+  expect_area(svg(R"(<path d="M10,50 A40,40 0 0 1 90,50 A40,40 0 0 1 10,50 Z"/>)"), kPi * 1600, 2 * kPi * 40);
+  expect_area(svg(R"(<path d="M10,50a40,40 0 01 80,0a40,40 0 01-80,0Z"/>)"), kPi * 1600, 2 * kPi * 40);
+  // ∫ of the parabola 4 h t (1 - t) over its base: 2/3 base · height; a Q of height 60 rises to 30.
+  expect_area(svg(R"(<path d="M10,60 Q50,0 90,60 Z"/>)"), 80 * 30 * 2.0 / 3.0, 120);
+  expect_area(svg(R"(<path d="M10,60 C36.666666666666667,20 63.333333333333333,20 90,60 Z"/>)"), 80 * 30 * 2.0 / 3.0,
+              120);
+  // A hole.
+  EXPECT_NEAR(area_of(svg(R"(<path d="M0 0H80V80H0ZM20 20V40H40V20Z"/>)")), 6400.0 - 400.0, 1e-9);
+}
+
+TEST(SvgOutline, transforms_turn_y_up_and_hidden_groups_are_left_out) {
+  const Polygon p =
+      parse_polygon(svg(R"x(<g transform="translate(10 20) scale(2)"><rect width="10" height="20"/></g>)x"), "s");
+  Vec2 low(1e9, 1e9), high(-1e9, -1e9);
+  for (const Vec2& v : p.outer) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  EXPECT_NEAR((low - Vec2(10, 40)).norm(), 0.0, 1e-9);   // 100 - (20 + 2 · 20)
+  EXPECT_NEAR((high - Vec2(30, 80)).norm(), 0.0, 1e-9);  // 100 - 20
+  EXPECT_NEAR(
+      area_of(svg(R"(<rect width="10" height="10"/><g style="display: none"><rect x="50" width="9" height="9"/></g>)")),
+      100.0, 1e-9);
+  EXPECT_THAT(error_of(svg(R"(<use href="#a"/>)")), HasSubstr("unlink clones"));
+  EXPECT_THAT(error_of(svg(R"(<path d="M0 0 L 5 x"/>)")), HasSubstr("a number is missing"));
+  EXPECT_THAT(error_of(svg("<text>a</text>")), HasSubstr("no line, arc or curve"));
+}
+
+}  // namespace
+}  // namespace triskin::placement
