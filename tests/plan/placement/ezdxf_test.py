@@ -43,13 +43,16 @@ def main():
             "bulges": lambda m: m.add_lwpolyline([(0, 0, 0, 0, 0.3), (150, 0), (150, 120, 0, 0, -0.2), (0, 120)], close=True),
             "circle": lambda m: m.add_circle((20, 30), 90),
             "ellipse": lambda m: m.add_ellipse((0, 0), (120, 50), 0.4),
-            "spline": lambda m: m.add_closed_spline([(0, 0), (150, 20), (170, 130), (40, 160)], degree=3),
+            # Closed by a line.
+            "spline": lambda m: (m.add_line((40, 160), (0, 0)), m.add_open_spline([(0, 0), (150, 20), (270, 130), (40, 160)], degree=3))[1],
         }
         for version in ("R2000", "R2018"):
             for name, shape in shapes.items():
                 drawing, space = draw(version, ezdxf.units.MM)
                 entity = shape(space)
-                exact = area(list(path.make_path(entity).flattening(0.0005)))
+                # ezdxf has circles and ellipses as cubic curves, which are 0.03 % off; theirs are known.
+                known = {"circle": math.pi * 90 ** 2, "ellipse": math.pi * 0.4 * (120 ** 2 + 50 ** 2)}
+                exact = known.get(name) or area(list(path.make_path(entity).flattening(0.0005)))
                 mine = 100.0 * read(drawing, top, f"{name}_{version}")["area_cm2"]
                 worst = max(worst, abs(mine / exact - 1))
                 # 0.01 mm along a border of some 500 mm, of some 15,000 mm².

@@ -1,0 +1,355 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hands what people have to the program and holds what it says against what is right, kind by kind.
+Usage: inputs_test.py TRISKIN WRITE_STRIP PART.step PYTHON_FOLDER PAGE [--write] [KIND]
+PAGE (docs/measurements/inputs.md) is the table of all members, which --write makes anew. PYTHON_FOLDER may be empty.
+Exit status: 0 all are answered rightly and each kind has eight members, three of them found here; 1 otherwise."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import members as m
+from members import FOUND, REPORTED
+
+TRISKIN, WRITE_STRIP, STEP, PYTHON, PAGE = sys.argv[1:6]
+WRITES = "--write" in sys.argv[6:]
+ONLY = [a for a in sys.argv[6:] if a != "--write"]
+GOOD_STEP = pathlib.Path(STEP).read_text(encoding="utf-8")
+ALL = []
+
+
+def add(kind, what, who, files, command, status, pattern):
+    ALL.append((kind, what, who, files, command, status, pattern))
+
+
+def mesh(kind, what, who, name, data, status, pattern, more=""):
+    add(kind, what, who, {name: data}, f"extract {name} -o out.obj {more}".strip(), status, pattern)
+
+
+# The block of 120 × 90 × 40 mm has 2 (120·90 + 90·40 + 40·120) mm² = 384 cm².
+BLOCK = r"120\.0 × 90\.0 × 40\.0 mm: 12 faces, 384\.0 cm²"
+
+
+def recordings(own, count):
+    """`count` is what replay says of the recording as it was written: other writers' forms of it have to say the same."""
+    k = "recordings"
+    same = list
+    back = lambda ms: ms[::-1]
+    shuffled = lambda ms: ms[1::2] + ms[::2]
+    for what, who, data in [
+            ("channel numbers from 0, in a chunk (official TypeScript library)", REPORTED, m.rewritten(own, True, same, -1)),
+            ("channel numbers from 0, no chunks", REPORTED, m.rewritten(own, False, same, -1)),
+            ("messages in reverse order", REPORTED, m.rewritten(own, True, back, 0)),
+            ("reversed, no chunks, channels from 0", FOUND, m.rewritten(own, False, back, -1)),
+            ("every other message first", FOUND, m.rewritten(own, True, shuffled, 0)),
+            ("channel numbers from 40,000", FOUND, m.rewritten(own, True, same, 40_000))]:
+        add(k, what, who, {"a.mcap": data}, "replay a.mcap --speed 0", 0, count)
+    add(k, "the same, recovered: the new file plays too", FOUND, {"a.mcap": m.rewritten(own, False, back, -1)},
+        "recover a.mcap -o b.mcap", 0, r"is whole")
+    add(k, "candump log", REPORTED, {"a.log": b"(1700000000.000100) can0 18DA01F1#0322F190\n"}, "replay a.log", 2, "a candump log; give an MCAP")
+    add(k, "bag of ROS 1", FOUND, {"a.bag": b"#ROSBAG V2.0\nE\0\0\0"}, "replay a.bag", 2, "a bag of ROS 1; give an MCAP")
+    add(k, "bag of ROS 2 in SQLite", FOUND, {"a.db3": b"SQLite format 3\0" + bytes(80)}, "replay a.db3", 2, r"a database \(SQLite")
+    add(k, "table of our own", FOUND, {"a.csv": b"link_time_us,device_time_us,sample\n1,2,3\n4,5,6\n"}, "replay a.csv", 2, r"a table of text \(CSV\); give an MCAP")
+
+
+def switched_off():
+    k = "switched off by the author"
+    left = r"switched off in the file and left out: {}"
+    mesh(k, "glTF: node with KHR_node_visibility false", REPORTED, "a.gltf", m.gltf([{"mesh": 0}, m.hidden({"name": "jig", "mesh": 0, "translation": [0.3, 0, 0]})], scenes=(0, 1)), 0, BLOCK)
+    mesh(k, "glTF: visible child of a hidden node", FOUND, "a.gltf", m.gltf([{"mesh": 0}, m.hidden({"name": "jig", "children": [2]}), {"mesh": 0, "translation": [0.3, 0, 0]}], scenes=(0, 1)), 0, left.format("jig"))
+    mesh(k, "glTF: the hidden node is asked for", FOUND, "a.gltf", m.gltf([{"mesh": 0, "translation": [0.3, 0, 0]}, m.hidden({"name": "jig", "mesh": 0})], scenes=(0, 1)), 0, BLOCK, "--object jig")
+    mesh(k, "glTF: visibility among the required extensions, all hidden", FOUND, "a.gltf", m.gltf([m.hidden({"name": "jig", "mesh": 0})], extra={"extensionsRequired": ["KHR_node_visibility"]}, used=["KHR_node_visibility"]), 2, "no triangle.*jig")
+    mesh(k, "3MF: printable=\"0\" of an item", REPORTED, "a.3mf", m.three_mf(f'<object id="1" type="model">{m.mesh_xml(m.block())}</object><object id="2" name="jig" type="model">{m.mesh_xml(m.block(30, 30, 30))}</object>', '<item objectid="1"/><item objectid="2" printable="0" transform="1 0 0 0 1 0 0 0 1 200 0 0"/>'), 0, left.format(r'jig \(printable="0"\)'))
+    modifier = '<metadata type="volume" key="volume_type" value="{}"/>'
+    mesh(k, "3MF of PrusaSlicer: modifier", REPORTED, "a.3mf", m.prusa(modifier.format("ParameterModifier")), 0, BLOCK)
+    mesh(k, "3MF of PrusaSlicer: negative volume", FOUND, "a.3mf", m.prusa(modifier.format("NegativeVolume")), 0, left.format(r"second \(negative volume\)"))
+    mesh(k, "3MF of PrusaSlicer: support blocker", FOUND, "a.3mf", m.prusa(modifier.format("SupportBlocker")), 0, left.format(r"second \(support blocker\)"))
+    mesh(k, "3MF of Slic3r: modifier=\"1\"", FOUND, "a.3mf", m.prusa('<metadata type="volume" key="modifier" value="1"/>'), 0, BLOCK)
+    mesh(k, "3MF of Bambu Studio: modifier_part", FOUND, "a.3mf", m.bambu("modifier_part"), 0, BLOCK)
+    mesh(k, "3MF of Bambu Studio: negative_part", FOUND, "a.3mf", m.bambu("negative_part"), 0, left.format(r"second \(negative volume\)"))
+    mesh(k, "3MF of Cura: support mesh", FOUND, "a.3mf", m.cura("support_mesh"), 0, left.format(r"second \(support\)"))
+    solid = re.search(r"(#\d+)\s*=\s*MANIFOLD_SOLID_BREP", GOOD_STEP)[1]
+    off = "switched off in the CAD program and left out"
+    for what, who, entities in [
+            ("STEP: INVISIBILITY of a style", REPORTED, f"#9001=STYLED_ITEM('',(),{solid});\n#9002=INVISIBILITY((#9001));\n"),
+            ("STEP: INVISIBILITY of a layer", FOUND, f"#9001=PRESENTATION_LAYER_ASSIGNMENT('off','',({solid}));\n#9002=INVISIBILITY((#9001));\n"),
+            ("STEP: layer of styles", FOUND, f"#9001=STYLED_ITEM('',(),{solid});\n#9003=PRESENTATION_LAYER_ASSIGNMENT('off','',(#9001));\n#9002=INVISIBILITY((#9003));\n")]:
+        mesh(k, what, who, "a.step", m.step_with(GOOD_STEP, entities), 2, "no face|" + off)
+    mesh(k, "DXF layer that is off", FOUND, "a.dxf", b"", 2, "empty")
+    ALL.pop()
+    layers = "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\njig\n70\n0\n62\n-7\n0\nENDTAB\n0\nENDSEC\n"
+    add(k, "DXF: layer that is off", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE) + m.lwpolyline([(300, 0), (400, 0), (400, 90)], layer="jig"), tables=layers)}, "place a.dxf --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "SVG: display none", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/><g style="display:none"><rect x="300" width="50" height="50"/></g>')}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+
+
+def transforms():
+    k = "transforms"
+    op = "#9006=CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$,{});\n"
+    add(k, "STEP: operator that scales by 2", REPORTED, {"a.step": m.step_with(GOOD_STEP, m.operator(op.format("$,$,#9005,2.,$")))}, "faces a.step", 2, "#9006: an instance of a part is scaled by 2")
+    add(k, "STEP: operator that mirrors", REPORTED, {"a.step": m.step_with(GOOD_STEP, m.operator(op.format("#9001,#9002,#9005,1.,#9004")))}, "faces a.step", 2, "#9006: an instance of a part is mirrored")
+    add(k, "STEP: operator written as a complex record, mirrored", FOUND, {"a.step": m.step_with(GOOD_STEP, m.operator("#9006=(CARTESIAN_TRANSFORMATION_OPERATOR(#9001,#9002,#9005,1.)CARTESIAN_TRANSFORMATION_OPERATOR_3D(#9004)FUNCTIONALLY_DEFINED_TRANSFORMATION('','')GEOMETRIC_REPRESENTATION_ITEM()REPRESENTATION_ITEM(''));\n"))}, "faces a.step", 2, "#9006: an instance of a part is mirrored")
+    add(k, "STEP: operator that moves only", FOUND, {"a.step": m.step_with(GOOD_STEP, m.operator(op.format("#9001,#9002,#9005,1.,#9003")))}, "faces a.step", 0, r"× .* mm")
+    mesh(k, "glTF: node of a skinned mesh, not applied", REPORTED, "a.gltf", m.skinned({"scale": [2, 2, 2]}, {}), 0, BLOCK)
+    mesh(k, "glTF: joint that scales, applied", FOUND, "a.gltf", m.skinned({}, {"scale": [2, 2, 2]}), 0, r"240\.0 × 180\.0 × 80\.0 mm: 12 faces, 1536\.0 cm²")
+    mesh(k, "glTF: joint that mirrors, outside stays outside", FOUND, "a.gltf", m.skinned({}, {"scale": [-1, 1, 1]}), 0, BLOCK)
+    mesh(k, "glTF: two instances (EXT_mesh_gpu_instancing)", FOUND, "a.gltf", m.instanced(), 0, r"420\.0 × 90\.0 × 40\.0 mm: 24 faces, 768\.0 cm²")
+    # Half of the target's 40 mm: 2 (120·90 + 90·60 + 60·120) mm².
+    mesh(k, "glTF: morph target with weight 0.5", FOUND, "a.gltf", m.morphed(0.5), 0, r"120\.0 × 90\.0 × 60\.0 mm: 12 faces, 468\.0 cm²")
+    mesh(k, "AMF with its unit", REPORTED, "a.amf", b'<?xml version="1.0"?><amf unit="inch"><object id="0"/></amf>', 2, "an AMF; export it as OBJ, STL, 3MF or glTF")
+    add(k, "SVG: rotated group", FOUND, {"a.svg": m.svg('<g transform="translate(120 0) rotate(90)"><rect width="150" height="120"/></g>')}, "place a.svg --method r2", 0, r"120\.0 × 150\.0 mm")
+    add(k, "DXF: inches", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (6, 0), (6, 5), (0, 5)]), "9\n$INSUNITS\n70\n1\n")}, "place a.dxf --method r2", 0, r"152\.4 × 127\.0 mm")
+
+
+def held():
+    k = "what people hold"
+    solid = "; export the part as STEP, or as a mesh"
+    scene = "; export it as OBJ, STL, 3MF or glTF"
+    for what, who, name, data, pattern in [
+            ("zip with an STL in it", REPORTED, "a.zip", m.zipped({"cover.stl": m.text_stl(m.block())}), r"a zip archive with cover\.stl in it; unpack it"),
+            ("zip of a whole folder", FOUND, "a.zip", m.zipped({f"p{i}.stl": b"x" for i in range(5)}), r"a zip archive with p0\.stl, p1\.stl, p2\.stl and 2 more in it"),
+            ("FreeCAD document", REPORTED, "a.FCStd", m.zipped({"Document.xml": b"<Document/>", "PartShape.brp": b"x"}), "a FreeCAD document" + solid),
+            ("Parasolid, text", FOUND, "a.x_t", b"**ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz**\n", r"a Parasolid model \(text\)" + solid),
+            ("ACIS, text", REPORTED, "a.sat", b"400 0 1 0\n10 ACIS 4.00 9 ACIS 7.0 NT 24 Mon Jan 01 00:00:00 2024\n1 1e-006 1e-010\nbody $-1 $1 $-1 $-1 #\n", r"an ACIS model \(SAT\)" + solid),
+            ("ACIS, binary", FOUND, "a.sab", b"ACIS BinaryFile\0\0\0\0", r"an ACIS model \(SAB\)" + solid),
+            ("SolidWorks part", FOUND, "a.sldprt", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(60), "SolidWorks.*" + solid),
+            ("USD, text", REPORTED, "a.usda", b"#usda 1.0\n", r"a USD scene \(text\)" + scene),
+            ("USDZ", FOUND, "a.usdz", m.zipped({"scene.usdc": b"PXR-USDC"}), r"a USD scene \(USDZ\)" + scene),
+            ("FBX", FOUND, "a.fbx", b"Kaydara FBX Binary  \0\x1a\0", "an FBX scene" + scene),
+            ("AutoCAD drawing", FOUND, "a.dwg", b"AC1032\0\0", r"an AutoCAD drawing \(DWG\); save it as DXF"),
+            ("DXF outline", REPORTED, "a.dxf", m.dxf(m.lwpolyline(m.RECTANGLE)), 'a DXF drawing; it belongs to "triskin place"'),
+            ("table of points", FOUND, "a.csv", b"x,y,z\n1,2,3\n4,5,6\n", r"a table of text \(CSV\); give a mesh"),
+            ("3MF of beams only", REPORTED, "a.3mf", m.three_mf('<object id="1" type="model"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/></vertices><triangles/><b:beamlattice radius="1"><b:beams><b:beam v1="0" v2="1"/></b:beams></b:beamlattice></mesh></object>', '<item objectid="1"/>', attributes='xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"'), "no triangle.*a beam lattice"),
+            ("something unknown", FOUND, "a.bin", b"\1\2\3\4" * 40, "not known here; give a mesh .* or a part in STEP or IGES")]:
+        mesh(k, what, who, name, data, 2, pattern)
+    for what, who, name, data in [
+            ("DXF: closed polyline", REPORTED, "a.dxf", m.dxf(m.lwpolyline(m.RECTANGLE))),
+            ("DXF: four lines in any order and direction", FOUND, "a.dxf", m.dxf(m.line((0, 0), (150, 0)) + m.line((0, 120), (150, 120)) + m.line((150, 0), (150, 120)) + m.line((0, 0), (0, 120)))),
+            ("SVG: path with an arc", REPORTED, "a.svg", m.svg('<path d="M0,0 H150 V120 H0 Z M60,60 a10,10 0 1,0 20,0 a10,10 0 1,0 -20,0 Z"/>'))]:
+        add(k, what, who, {name: data}, f"place {name} --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "DXF: outline with a gap of 2 mm", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (150, 0), (150, 120), (2, 0)], closed=0))}, "place a.dxf", 2, r"the outline is open .* 2 mm away")
+    add(k, "DXF: two outlines", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE) + m.lwpolyline([(300, 0), (400, 0), (400, 90)]))}, "place a.dxf", 2, "holds 2 outlines beside each other; place each one alone")
+    ring = '{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[0,0],[150,0],[150,120],[0,0]]]}}'
+    add(k, "GeoJSON: collection of two polygons", REPORTED, {"a.geojson": ('{"type":"FeatureCollection","features":[%s,%s]}' % (ring, ring)).encode()}, "place a.geojson", 2, "holds 2 polygons.*place each one alone")
+    add(k, "STL given to place", FOUND, {"a.zip": m.zipped({"cover.stl": b"x"})}, "place a.zip", 2, r"a zip archive with cover\.stl in it; unpack it")
+    add(k, "Intel HEX as firmware", REPORTED, {"a.hex": b":020000040800F2\n:00000001FF\n"}, "flash strip.json --link sim --firmware a.hex", 2, "an Intel HEX file; give the firmware's package")
+    add(k, "Motorola S-records as firmware", FOUND, {"a.s19": b"S00600004844521B\nS9030000FC\n"}, "flash strip.json --link sim --firmware a.s19", 2, "a file of Motorola S-records; give the firmware's package")
+    add(k, "ELF as firmware", FOUND, {"a.elf": b"\x7fELF\2\1\1" + bytes(60)}, "flash strip.json --link sim --firmware a.elf", 2, r"a program \(ELF\); give the firmware's package")
+
+
+SCRIPTS = [("Latin with accents", "Überärmel", "Überärmèl"), ("Cyrillic", "левая рука", "левая руки"), ("Chinese", "左腕", "左臂"),
+           ("Arabic", "ذراع", "ذراغ"), ("emoji", "arm 🦾", "arm 🦿"), ("spaces and quotes", 'my "arm" a', "my \"arm\" '")]
+
+
+def names():
+    k = "names"
+    for what, one, other in SCRIPTS:
+        who = REPORTED if what == "Chinese" else FOUND
+        add(k, f"cover named in {what}", who, {}, ("names", one, other), 0, "differ")
+    mesh(k, "file name with a line of every script", FOUND, "左 é ж ذ 🦾 '\".obj", m.obj(m.block()), 0, BLOCK)
+    ALL[-1] = ALL[-1][:4] + (["extract", "左 é ж ذ 🦾 '\".obj", "-o", "out.obj"],) + ALL[-1][5:]
+    add(k, "file name that begins with a dash", FOUND, {"-a.obj": m.obj(m.block())}, "extract ./-a.obj -o out.obj", 0, BLOCK)
+
+
+def frames():
+    k = "ROS frames"
+    base = "bridge strip.json --link sim --seconds 0.1 --parent "
+    for what, who, more, pattern in [
+            ("leading slash", REPORTED, "/base_link", "without a leading slash"), ("blank within", FOUND, "'base link'", "without a leading slash or blanks"),
+            ("empty", FOUND, "''", "--parent"), ("itself", REPORTED, "skin_strip", "cannot be its own parent|--parent"),
+            ("nan as a place", REPORTED, "base --pose nan 0 0 0 0 0 1", "--pose: x y z must be finite"),
+            ("infinite place", FOUND, "base --pose 0 inf 0 0 0 0 1", "--pose: x y z must be finite"),
+            ("quaternion of length 2", REPORTED, "base --pose 0 0 0 0 0 0 2", "--pose"),
+            ("quaternion of zeros", FOUND, "base --pose 0 0 0 0 0 0 0", "--pose")]:
+        add(k, what, who, {}, base + more, 2, pattern)
+
+
+def robots():
+    k = "URDF"
+    new = "robot new r.json --name r --urdf a.urdf"
+    for what, who, data, status, pattern in [
+            ("xacro with calls only", REPORTED, m.urdf('<xacro:include filename="x"/>', 'name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"'), 2, r"a xacro robot description; make a URDF of it: xacro FILE > robot\.urdf"),
+            ("xacro with links beside calls", FOUND, m.urdf(LINKS_BOTH, 'name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"'), 2, "a xacro robot description"),
+            ("joint 400 m away", REPORTED, m.urdf(m.LINKS + m.joint('<origin xyz="0 0 400"/>')), 2, "400 m from its parent; a URDF is in metres: are its numbers millimetres"),
+            ("joint turned by 90 rad", FOUND, m.urdf(m.LINKS + m.joint('<origin rpy="0 90 0"/>')), 2, "are its numbers degrees"),
+            ("two roots", REPORTED, m.urdf(m.LINKS), 2, r"2 links that hang on no joint \(arm, base\)"),
+            ("a link that stands alone", FOUND, m.urdf(m.LINKS + '<link name="stand"/>' + m.joint("")), 2, r"\(base, stand\)"),
+            ("two robots in one file", REPORTED, m.urdf(m.LINKS + m.joint("")) + m.urdf(m.LINKS, 'name="s"')[21:], 2, r"holds 2 robots \(r, s\)"),
+            ("ring of joints", FOUND, m.urdf(m.LINKS + m.joint("") + m.joint("", "arm", "base", "k")), 2, "form a ring"),
+            ("no link", FOUND, m.urdf(""), 2, "has no <link>"),
+            ("SDF", FOUND, b'<?xml version="1.0"?><sdf version="1.7"/>', 2, "an SDF robot description; give a URDF"),
+            ("a mesh", FOUND, m.zipped({"a.stl": b"x"}), 2, "a zip archive"),
+            ("a good one", FOUND, m.urdf(m.LINKS + m.joint('<origin xyz="0 0 0.4" rpy="0 1.57 0"/>')), 0, "robot r with")]:
+        add(k, what, who, {"a.urdf": data}, new, status, pattern)
+
+
+LINKS_BOTH = m.LINKS + m.joint("") + "<xacro:arm/>"
+
+
+def sizes():
+    k = "one-sided, sizeless, implausible"
+    mesh(k, "Möbius strip", REPORTED, "a.obj", m.obj(m.strip(1)), 0, "has only one side, as a Möbius strip has")
+    mesh(k, "strip of three half turns", FOUND, "a.obj", m.obj(m.strip(3)), 0, "has only one side")
+    mesh(k, "strip of two half turns (two sides)", FOUND, "a.obj", m.obj(m.strip(2)), 0, r"part of (?!.*only one side)")
+    mesh(k, "2 m in a file of millimetres", FOUND, "a.stl", m.text_stl(m.block(2000, 300, 300)), 2, r"2000 × 300 × 300 mm large if its numbers are millimetres; are they\? Then pass --unit mm")
+    mesh(k, "the same, confirmed", FOUND, "a.stl", m.text_stl(m.block(2000, 300, 300)), 0, r"part of 2000\.0 × 300\.0 × 300\.0 mm", "--unit mm")
+    mesh(k, "numbers in metres", REPORTED, "a.obj", m.obj(m.block(), 1e-3), 2, "are its numbers metres")
+    mesh(k, "glTF of 3 m by its format", FOUND, "a.gltf", m.gltf([{"mesh": 0, "scale": [25, 25, 25]}]), 2, r"3000 × 2250 × 1000 mm large if its numbers are metres as the file says")
+    add(k, "cover of 3.1 m²", REPORTED, {"a.obj": m.obj(m.block(1000, 500, 700))}, "design a.obj -o d.json --time-limit-s 1", 2, r"3\.1 m² are more than the skin of a person \(1\.5 m²\), for up to \d+ modules and \d+ controllers")
+    add(k, "every answer has the size: design", FOUND, {"a.obj": m.obj(m.block())}, "design a.obj -o d.json --time-limit-s 1", 0, r"120\.0 × 90\.0 × 40\.0 mm")
+    add(k, "every answer has the size: place", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, "place a.wkt --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "every answer has the size: faces", FOUND, {"a.step": GOOD_STEP.encode()}, "faces a.step", 0, r"\d × \d.* mm")
+
+
+def fresh():
+    k = "a skin not flashed yet"
+    flash = "run triskin flash"
+    for command, who in [("live strip.json --link sim --seconds 0.1", REPORTED), ("record strip.json --link sim --seconds 0.1 -o a.mcap", REPORTED),
+                         ("verify strip.json --link sim", FOUND), ("bridge strip.json --link sim --seconds 0.1", FOUND),
+                         ("record strip.json --link sim --seconds 0.1 -o a.csv", FOUND), ("record strip.json --link sim --seconds 0.1 -o a.h5", FOUND),
+                         ("log strip.json --link sim --seconds 0.1", FOUND), ("repair strip.json --link sim", FOUND)]:
+        add(k, command, who, {"fresh": b""}, command, None, flash)
+
+
+def python():
+    k = "Python"
+    rows = [("pathlib.Path", REPORTED, "with triskin.open(pathlib.Path('own.mcap')) as s: print('read', len(s.layout.positions_mm) if hasattr(s, 'layout') else 'ok')", 0, "read"),
+            ("os.PathLike of one's own", FOUND, "class P:\n  def __fspath__(self): return 'own.mcap'\nwith triskin.open(P()) as s: print('read')", 0, "read"),
+            ("bytes as a path", FOUND, "with triskin.open(b'own.mcap') as s: print('read')", None, "read|TypeError"),
+            ("link=None", REPORTED, "with triskin.open('own.mcap', link=None) as s: print('read')", 0, "read"),
+            ("a number as a path", FOUND, "triskin.open(3)", 1, "TypeError"),
+            ("a file that is not there", FOUND, "triskin.open('none.mcap')", 1, r"triskin\.BadInput: none\.mcap: cannot read"),
+            ("repr of a recording", REPORTED, "with triskin.open('own.mcap') as s: print(repr(s))", 0, r"<triskin\.Recording of strip: 4 modules, \d+ samples of a simulation>"),
+            ("a thread of its own", FOUND, "import threading\nout=[]\ndef f():\n  with triskin.open('own.mcap') as s: out.append('read')\nt=threading.Thread(target=f); t.start(); t.join(); print(out)", 0, "read"),
+            ("fork", FOUND, "import os,sys\nwith triskin.open('own.mcap') as s:\n  pid=os.fork()\n  if pid == 0: os._exit(0)\n  print('read', os.waitpid(pid,0)[1])", 0, "read 0")]
+    for what, who, code, status, pattern in rows:
+        add(k, what, who, {}, ("python", code), status, pattern)
+
+
+def run(arguments, folder, environment):
+    done = subprocess.run(arguments, cwd=folder, env=environment, capture_output=True, check=False, timeout=60)
+    return done.returncode, (done.stderr + done.stdout).decode(errors="replace")
+
+
+FORMATS = {"urdf": "xml", "sdf": "xml", "mjcf": "xml", "mjcf-touch": "xml", "gltf": "json", "taxels": "csv", "html": "html", "picture": "xml"}
+
+
+def compare_names(one, other, folder, environment):
+    """Exports two covers in every format; each has to be well-formed, and what differs has to differ in its names."""
+    import xml.etree.ElementTree as tree
+    import json
+    texts = {}
+    ends = {"mjcf": "mjcf.xml", "mjcf-touch": "touch.xml", "taxels": "csv", "picture": "svg"}
+    for name in (one, other):
+        (folder / f"{name}.obj").write_bytes(m.obj(m.block()))
+        status, said = run([TRISKIN, "design", f"{name}.obj", "-o", f"{name}.json", "--time-limit-s", "1", "--iterations", "20"], folder, environment)
+        if status != 0:
+            return status, said
+        for kind, parser in FORMATS.items():
+            status, said = run([TRISKIN, "export", f"{name}.json", "--format", kind, "-o", f"{name}.{ends.get(kind, kind)}"], folder, environment)
+            if status != 0:
+                return status, f"{kind}: {said}"
+            text = (folder / f"{name}.{ends.get(kind, kind)}").read_text(encoding="utf-8")
+            if kind == "urdf" and shutil.which("check_urdf"):  # urdfdom
+                status, said = run(["check_urdf", f"{name}.urdf"], folder, environment)
+                if status != 0:
+                    return status, f"check_urdf: {said}"
+            # A name stands in it as it is, or as one that is distinct.
+            if parser == "xml":
+                found = {e.get("name") for e in tree.fromstring(text).iter() if e.get("name")}
+            else:
+                found = {str(json.loads(text).get("nodes", [{}])[0].get("name"))} if parser == "json" else set()
+            texts[name, kind] = found
+    for kind, parser in FORMATS.items():
+        a, b = texts[one, kind], texts[other, kind]
+        # The nodes of glTF have fixed names, and a picture has none.
+        if a and a == b and kind not in ("picture", "gltf"):
+            return 1, f"{kind}: both covers have the names {sorted(a)[:3]}"
+    return 0, f"{len(FORMATS)} formats are well-formed and their names differ"
+
+
+def shown(text):
+    lines = [line for line in text.strip().splitlines() if line.strip() and not line.startswith("…")]
+    return re.sub(r"\d+\.\d+ s\b", "… s", " ⏎ ".join(lines))
+
+
+def cell(text):
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as top:
+        top = pathlib.Path(top)
+        home = top / "home"
+        environment = dict(os.environ, XDG_STATE_HOME=str(home), XDG_CONFIG_HOME=str(home), LC_ALL="C.UTF-8", NO_COLOR="1")
+        subprocess.run([WRITE_STRIP, str(top / "strip.json"), "4"], check=True)
+        for command in (["flash", "strip.json", "--link", "sim"], ["record", "strip.json", "--link", "sim", "--seconds", "0.5", "-o", "own.mcap"]):
+            status, said = run([TRISKIN, *command], top, environment)
+            assert status == 0, said
+        own = (top / "own.mcap").read_bytes()
+        status, said = run([TRISKIN, "replay", "own.mcap", "--speed", "0"], top, environment)
+        played = re.search(r"^[1-9]\d+ module samples in \d\.\d\d s$", said, re.MULTILINE)
+        assert status == 0 and played, said
+        recordings(own, "^" + re.escape(played[0]) + "$")
+        for part in (switched_off, transforms, held, names, frames, robots, sizes, fresh):
+            part()
+        if PYTHON:
+            python()
+        rows, wrong = [], []
+        for number, (kind, what, who, files, command, status, pattern) in enumerate(ALL):
+            if ONLY and kind not in ONLY:
+                continue
+            folder = top / f"m{number}"
+            folder.mkdir()
+            (folder / "strip.json").write_bytes((top / "strip.json").read_bytes())
+            (folder / "own.mcap").write_bytes(own)
+            for name, data in files.items():
+                (folder / name).write_bytes(data)
+            used = dict(environment, XDG_STATE_HOME=str(folder / "home")) if "fresh" in files else environment
+            if command[0] == "names":
+                got, said = compare_names(command[1], command[2], folder, used)
+                text = f"design, export: {command[1]}, {command[2]}"
+            elif command[0] == "python":
+                used = dict(used, PYTHONPATH=PYTHON)
+                got, said = run(["/usr/bin/python3", "-c", "import pathlib, triskin\n" + command[1]], folder, used)
+                text = command[1].splitlines()[-1]
+            else:
+                words = command if isinstance(command, list) else [w.strip("'") for w in command.split()]
+                if "'base link'" in command:
+                    words = command.split("'")[0].split() + ["base link"]
+                got, said = run([TRISKIN, *words], folder, used)
+                text = "triskin " + (command if isinstance(command, str) else " ".join(command))
+            good = (status is None or got == status) and re.search(pattern, said, re.DOTALL | re.MULTILINE)
+            if not good:
+                wrong.append(f"{kind}: {what}: status {got} (right: {status}), wanted /{pattern}/, said:\n  {said.strip()[:600]}")
+            rows.append((kind, what, who, text, got, shown(said)))
+        for kind in sorted({row[0] for row in rows}):
+            those = [row for row in rows if row[0] == kind]
+            if not ONLY and (len(those) < 8 or sum(row[2] == FOUND for row in those) < 3):
+                wrong.append(f"{kind}: {len(those)} members are too few")
+        if WRITES:
+            write_page(rows)
+        print(f"{len(rows)} inputs, {len(wrong)} answered otherwise")
+        for text in wrong:
+            print(text)
+        return 1 if wrong else 0
+
+
+def write_page(rows):
+    out = ["# Inputs of other people, kind by kind", "",
+           "What people hand to the commands, and what the program says. *Reported* members were met by users of other programs;",
+           "*found* ones were looked for beside them. `tests/app/inputs` makes each file, runs the command and holds status and",
+           "message against what is right. Written by `tests/app/inputs/inputs_test.py … --write`.", ""]
+    for kind in dict.fromkeys(row[0] for row in rows):
+        out += [f"## {kind[0].upper()}{kind[1:]}", "", "| input | met | status | what is said |", "|---|---|---|---|"]
+        for _, what, who, _, status, said in (row for row in rows if row[0] == kind):
+            out.append(f"| {cell(what)} | {who} | {status} | {cell(said[:400])} |")
+        out.append("")
+    pathlib.Path(PAGE).write_text("\n".join(out).rstrip() + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
