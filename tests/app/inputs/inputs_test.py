@@ -160,10 +160,10 @@ def frames():
     for what, who, more, pattern in [
             ("leading slash", REPORTED, "/base_link", "without a leading slash"), ("blank within", FOUND, "'base link'", "without a leading slash or blanks"),
             ("empty", FOUND, "''", "--parent"), ("itself", REPORTED, "skin_strip", "cannot be its own parent|--parent"),
-            ("nan as a place", REPORTED, "base --pose nan 0 0 0 0 0 1", "--pose: x y z must be finite"),
-            ("infinite place", FOUND, "base --pose 0 inf 0 0 0 0 1", "--pose: x y z must be finite"),
-            ("quaternion of length 2", REPORTED, "base --pose 0 0 0 0 0 0 2", "--pose"),
-            ("quaternion of zeros", FOUND, "base --pose 0 0 0 0 0 0 0", "--pose")]:
+            ("nan as a place", REPORTED, "base --pose nan,0,0,0,0,0,1", "--pose: x y z must be finite"),
+            ("infinite place", FOUND, "base --pose 0,inf,0,0,0,0,1", "--pose: x y z must be finite"),
+            ("quaternion of length 2", REPORTED, "base --pose 0,0,0,0,0,0,2", "--pose"),
+            ("quaternion of zeros", FOUND, "base --pose 0,0,0,0,0,0,0", "--pose")]:
         add(k, what, who, {}, base + more, 2, pattern)
 
 
