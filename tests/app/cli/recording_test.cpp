@@ -77,6 +77,26 @@ class Recordings : public ShellCase {
     const auto at = text.find("sim:127.0.0.1:");
     return text.substr(at, text.find_first_of(" ,;\n", at) - at);
   }
+  // Serves boards with power on whose taxel 3 of module 4 an object lies, and returns the link to them. It came after
+  // the controllers had settled their offsets: what lies there at power-up is no pressure (docs/stream.md).
+  [[nodiscard]] std::string serve_touched() {
+    write_scene(R"("contacts":[{"at_s":0.8,"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
+    const std::string link = serve(touched_);
+    ::sleep(2);
+    return link;
+  }
+  void end_touched() {
+    if (touched_ > 0) ::kill(touched_, SIGTERM);
+    if (touched_ > 0) (void)end_of(touched_);
+    touched_ = 0;
+  }
+  void TearDown() override {
+    end_touched();
+    ShellCase::TearDown();
+  }
+
+ private:
+  pid_t touched_ = 0;
 };
 
 TEST_F(Recordings, formats_hold_the_same_samples) {
@@ -164,8 +184,7 @@ TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
 }
 
 TEST_F(Recordings, a_replay_shows_what_live_showed) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
-  ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 1 -o r.mcap").status, 0);
+  ASSERT_EQ(run("record strip.json --link " + serve_touched() + " --seconds 1 -o r.mcap").status, 0);
   const Outcome o = run("replay r.mcap --speed 0 --json");
   EXPECT_EQ(o.status, 0);
   const std::string last = o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1);
@@ -178,11 +197,11 @@ TEST_F(Recordings, a_replay_shows_what_live_showed) {
 }
 
 TEST_F(Recordings, a_recording_is_played_into_a_link_that_live_reads) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
-  ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 2 -o r.mcap").status, 0);
-  const pid_t server = start("replay r.mcap --listen 127.0.0.1:0 --loop", "served");
-  wait_for_text("served", "end with Ctrl-C");
-  const std::string text = read_file(folder_ / "served");
+  ASSERT_EQ(run("record strip.json --link " + serve_touched() + " --seconds 2 -o r.mcap").status, 0);
+  end_touched();
+  const pid_t server = start("replay r.mcap --listen 127.0.0.1:0 --loop", "played");
+  wait_for_text("played", "end with Ctrl-C");
+  const std::string text = read_file(folder_ / "played");
   const auto at = text.find("sim:127.0.0.1:");
   const Outcome o =
       run("live strip.json --link " + text.substr(at, text.find_first_of(" ,;", at) - at) + " --seconds 3 --json");
@@ -196,12 +215,7 @@ TEST_F(Recordings, a_recording_is_played_into_a_link_that_live_reads) {
 }
 
 TEST_F(Recordings, live_shows_contacts_that_are_there_at_the_start_and_adds_no_finger_to_a_served_scene) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
-  pid_t server = 0;
-  const std::string link = serve(server);
-  const Outcome o = run("live strip.json --link " + link + " --seconds 3 --json");
-  ::kill(server, SIGTERM);
-  (void)end_of(server);
+  const Outcome o = run("live strip.json --link " + serve_touched() + " --seconds 3 --json");
   EXPECT_EQ(o.status, 0) << o.messages;
   std::size_t lines = 0, touched = 0;
   std::istringstream text(o.out);
@@ -218,14 +232,14 @@ TEST_F(Recordings, live_shows_contacts_that_are_there_at_the_start_and_adds_no_f
 }
 
 TEST_F(Recordings, a_tare_makes_the_present_rest_and_is_kept) {
-  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":6,"radius_mm":3}])");
+  const std::string link = serve_touched();
   const auto pressed = [&](const std::string& options) {
-    const Outcome o = run("live strip.json --link sim --scene scene.json --seconds 0.5 --json " + options);
+    const Outcome o = run("live strip.json --link " + link + " --seconds 0.5 --json " + options);
     return nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1))["pressed"].size();
   };
   EXPECT_EQ(pressed(""), 1U);
   const auto recorded = [&] {
-    EXPECT_EQ(run("record strip.json --link sim --scene scene.json --seconds 1 -o r.mcap").status, 0);
+    EXPECT_EQ(run("record strip.json --link " + link + " --seconds 1 -o r.mcap").status, 0);
     const Outcome o = run("replay r.mcap --speed 0 --json");
     return nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1))["pressed"].size();
   };

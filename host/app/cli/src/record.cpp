@@ -172,6 +172,7 @@ class CoverFile {
     if (live_->calibration().complete())
       origin_.calibration_text = design::calibration_text(live_->calibration().boards());
     if (!live_->kept_rest().empty()) origin_.rest_text = design::rest_text(live_->kept_rest());
+    origin_.settled_text = design::settled_text(live_->settled());
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
     origin_.link_start_us = bus.now_us();
     origin_.unix_start_ns = bus.unix_ns(origin_.link_start_us);

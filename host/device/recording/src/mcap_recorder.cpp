@@ -66,6 +66,8 @@ void McapRecorder::begin(const design::Design& design) {
   if (!origin_.calibration_text.empty())
     writer_.attach({start_ns, 0, kCalibrationName, "application/json", origin_.calibration_text});
   if (!origin_.rest_text.empty()) writer_.attach({start_ns, 0, kRestName, "application/json", origin_.rest_text});
+  if (!origin_.settled_text.empty())
+    writer_.attach({start_ns, 0, kSettledName, "application/json", origin_.settled_text});
   mcap::TextMap facts = origin_.facts;
   facts["design_id"] = fmt::format("{:016x}", design.design_id);
   facts["design"] = design.name;

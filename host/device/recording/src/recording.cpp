@@ -27,6 +27,7 @@ class Samples final : public mcap::Visitor {
     if (attachment.name == "design.json") summary_.design_text = attachment.data;
     if (attachment.name == kCalibrationName) summary_.calibration_text = attachment.data;
     if (attachment.name == kRestName) summary_.rest_text = attachment.data;
+    if (attachment.name == kSettledName) summary_.settled_text = attachment.data;
   }
   void on_metadata(const mcap::Metadata& metadata) override {
     if (metadata.name == "triskin") summary_.facts = metadata.entries;

@@ -15,6 +15,7 @@ void LiveCover::set_rest(std::span<const wire::NodeClaim> claims, RestSource sou
   rest_file_ = store.file();
   if (source == RestSource::kPresent) return;
   kept_rest_ = source == RestSource::kKept ? store.read() : design::RestValues{};
+  settled_.clear();
   reset();
 }
 

@@ -19,4 +19,10 @@ using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 /// place when the file is damaged or has another number of modules.
 [[nodiscard]] RestValues parse_rest(const std::string& text, const std::string& name, std::size_t modules);
 
+/// Formats what controllers say of the rest in the same form, with null for NaN, which means not known; returns an
+/// empty text if nothing is known.
+[[nodiscard]] std::string settled_text(const RestValues& settled);
+/// Parses the text of settled_text(), otherwise as parse_rest().
+[[nodiscard]] RestValues parse_settled(const std::string& text, const std::string& name, std::size_t modules);
+
 }  // namespace triskin::design

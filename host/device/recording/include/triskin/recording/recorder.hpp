@@ -36,8 +36,11 @@ struct Origin {
   /// are in counts.
   std::string calibration_text;
   /// The text of the file of rest values (design/rest_values.hpp) is used to find contacts; if it is empty, the
-  /// design's values are used.
+  /// first values say where the taxels rest.
   std::string rest_text;
+  /// The text of what the controllers said of the rest (design::settled_text) tells which first values are pressure; it
+  /// is empty if they said nothing, or if there are rest values.
+  std::string settled_text;
   /// Name of the cover on its robot. Topics are then /skin/PART/…, as in the bridge, and the frame is skin_PART. If
   /// it is empty, topics are /skin/… and the frame is skin.
   std::string part;

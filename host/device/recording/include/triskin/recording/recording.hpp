@@ -16,7 +16,8 @@
 namespace triskin::recording {
 
 /// The attachments with the calibration (design/calibration.hpp) and the rest values have these names.
-inline constexpr const char *kCalibrationName = "calibration.json", *kRestName = "rest.json";
+inline constexpr const char *kCalibrationName = "calibration.json", *kRestName = "rest.json",
+                            *kSettledName = "settled.json";
 
 /// Returns the key of the fact that has the serial number of the controller with a node address.
 [[nodiscard]] inline std::string serial_fact(layout::NodeAddress node) {
@@ -39,6 +40,8 @@ struct Summary {
   std::string design_text;       ///< The text is a copy of the design file.
   std::string calibration_text;  ///< The text is that of the calibration file; if it is empty, there are only counts.
   std::string rest_text;  ///< The text is that of the file of rest values; if it is empty, the first values apply.
+  /// The text is that of what the controllers said of the rest; if it is empty, they said nothing.
+  std::string settled_text;
   /// Changes are in the order of the file; recordings before 0.2 have none.
   std::vector<ReaderChange> reader_changes;
   std::uint64_t samples = 0;                ///< Every sample of a module counts.
