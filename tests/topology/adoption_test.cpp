@@ -132,7 +132,8 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
   for (const session::AdoptedCounts& a : report.adopted) {
     EXPECT_EQ(std::ranges::count(o.modules, a.module), 1) << a.module;
     EXPECT_GE(a.counts.with_data, 20U) << a.module;
-    EXPECT_EQ(a.counts.lost(), 0U) << a.module;
+    // Its first sequence can pass unread, as the oscillator is known to 12 % then (docs/silicon.md).
+    EXPECT_LE(a.counts.lost(), 1U) << a.module;
     EXPECT_FALSE(a.now) << a.module;
   }
 }

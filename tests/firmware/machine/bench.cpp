@@ -73,6 +73,9 @@ layout::PatchImage patch(int modules) {
 }
 
 void Bench::power_up(bool will_be_cut) {
+  // A new board begins at 0; the chips keep their power, and for them time goes on.
+  const std::uint64_t before_us = machine || posix ? now_us() : 0;
+  for (SkinLine& line : lines) line.origin_us -= before_us;
   wire::UniqueId id{};
   for (std::size_t k = 0; k < id.size(); ++k) id[k] = static_cast<std::uint8_t>(0x10 + k);
   if (on_posix) {

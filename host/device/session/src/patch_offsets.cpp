@@ -13,6 +13,25 @@
 
 namespace triskin::session {
 
+void wait_for_set_up(Bus& bus, std::span<const wire::NodeClaim> claims) {
+  constexpr std::uint64_t kMax_us = 1'000'000, kPause_us = 20'000;
+  const std::uint64_t until_us = bus.now_us() + kMax_us;
+  for (const std::uint8_t node : lone_addresses({claims.begin(), claims.end()})) {
+    Controller c(bus, node);
+    const auto is_setting_up = [&] {
+      const wire::ModuleStates states = c.module_states();
+      return std::ranges::count(states.rows(), wire::ModuleState::kUnknown) > 0;
+    };
+    try {
+      while (is_setting_up() && bus.now_us() < until_us) bus.listen(bus.now_us() + kPause_us);
+    } catch (const NoAnswer&) {
+      continue;
+    } catch (const Refused&) {
+      continue;
+    }
+  }
+}
+
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design,
                                        std::span<const wire::NodeClaim> claims) {
   std::vector<PatchOffsets> all;

@@ -52,6 +52,7 @@ std::uint64_t LiveBus::unix_ns(std::uint64_t link_us) const {
 
 void LiveBus::find_controllers(RestSource rest) {
   claims_ = bus_->discover();
+  session::wait_for_set_up(*bus_, claims_);
   for (LiveCover& cover : covers_) {
     cover.set_rest(claims_, rest);
     if (rest != RestSource::kPresent && cover.kept_rest().empty())

@@ -23,6 +23,11 @@ struct PatchOffsets {
   wire::Adoption adoption;
 };
 
+/// Waits until the controllers `claims` have set up each of their converters or found out why they cannot, at most one
+/// second: half a second after a board gets its power, else the time of one question each. One that does not answer is
+/// not waited for. Throws Unreachable.
+void wait_for_set_up(Bus& bus, std::span<const wire::NodeClaim> claims);
+
 /// Asks those of the controllers `claims` that have a table of the design. One that does not answer is left out. Throws
 /// Unreachable, and DeviceError for a malformed answer.
 [[nodiscard]] std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design,
