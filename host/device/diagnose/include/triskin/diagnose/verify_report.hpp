@@ -12,7 +12,8 @@ namespace triskin::diagnose {
 [[nodiscard]] std::string report_text(const design::Design& design, const VerifyResult& result,
                                       const std::string& arguments = "DESIGN");
 /// Formats the same as a page to print (HTML without references to other files): a drawing of the lattice in which the
-/// modules of the findings are marked with the finding's number, and a table. Cost: linear.
+/// modules of the findings are marked with the finding's number, and a table. Throws as repair_steps(). Cost:
+/// linear.
 [[nodiscard]] std::string report_html(const design::Design& design, const VerifyResult& result,
                                       const std::string& arguments = "DESIGN");
 

@@ -36,8 +36,8 @@ struct FlatLayout {
 /// Places whole modules on several lattices in one flat outline (mm; any polygon that place() takes), each lattice
 /// moved on its own, so that no two modules come nearer to each other than the gap. Ruin and recreate, beginning with
 /// `one`, the answer of place() for this polygon, gap and tolerance: never fewer modules than that. Deterministic for
-/// seed and `steps` unless the time limit cuts the search short. Errors: as place(). Cost: time_limit_s, less if the
-/// bound is met; O(vertices + modules) memory.
+/// seed and `steps` unless the time limit cuts the search short. Errors: InputError as place(). Cost: time_limit_s,
+/// less if the bound is met; O(vertices + modules) memory.
 [[nodiscard]] FlatLayout place_lattices(const Polygon& polygon, const FlatLattice& one, const LatticesOptions& options,
                                         const ProgressSink& progress = {});
 

@@ -15,13 +15,13 @@ namespace triskin::placement {
 /// empty or open ring, a key that occurs twice, and a file that cannot be read. Thread-safe.
 [[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
 
-/// Reads the same from text; messages use `name` in place of the file.
+/// Reads the same from text; messages use `name` in place of the file. Errors: InputError as read_polygon.
 [[nodiscard]] Polygon parse_polygon(const std::string& text, const std::string& name);
 
 /// Reads the outlines of the pieces of a net as `triskin unfold` writes it (docs/unfolding.md), in its order; a file
-/// with one polygon gives that polygon. Errors: as read_polygon, and for a net without pieces.
+/// with one polygon gives that polygon. Errors: InputError as read_polygon, and for a net without pieces.
 [[nodiscard]] std::vector<Polygon> read_polygons(const std::filesystem::path& path);
-/// Reads the same from text.
+/// Reads the same from text; messages use `name` in place of the file. Errors: InputError as read_polygons.
 [[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
 /// Returns true if two edges of the polygon cross in their interiors, decided exactly. Unlike the readers it does not
