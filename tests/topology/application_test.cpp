@@ -11,6 +11,7 @@
 #include "triskin/hardware/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/patch_offsets.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::test {
@@ -34,6 +35,7 @@ class Fixture {
       : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
     deploy::flash(bus_, link_.skin().scene().design);
     bus_.listen(bus_.now_us() + 400'000);
+    session::wait_for_set_up(bus_, bus_.discover());
     const wire::LiveTaxels sample = controller_.taxels();
     for (const wire::ModuleTaxels& m : sample.rows()) {
       EXPECT_EQ(m.valid, layout::kAllTaxels);
@@ -188,7 +190,7 @@ TEST(Application, two_failures_at_once_end_honestly) {
       a.apply(fixture.hardware(), false);
       b.apply(fixture.hardware(), false);
       fixture.controller().reroute();
-      fixture.listen_us(200'000);
+      fixture.listen_us(600'000);  // The next pair meets chips that are set up: that takes some 350 ms.
       ASSERT_EQ(fixture.controller().route().alive, fixture.all());
     }
     EXPECT_EQ(fixture.wrong, 0);
