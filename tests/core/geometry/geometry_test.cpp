@@ -81,6 +81,21 @@ TEST(Triangle, WithoutAreaItIsItsLongestSide) {
   EXPECT_EQ(distance_to_triangle({3, 4, 0}, {a, a, a}), 5.0);
 }
 
+// By hand: the ray from (1, 1) to the right meets the side from (3, 0) to (3, 2); a side counts with its lower end
+// only, so a ray through a corner of a ring crosses once where the ring goes on upwards, and not where it turns back.
+TEST(Ray, CrossesASideWithItsLowerEnd) {
+  const Vec2 p(1, 1);
+  EXPECT_TRUE(ray_crosses(p, {3, 0}, {3, 2}));
+  EXPECT_TRUE(ray_crosses(p, {3, 2}, {3, 0}));
+  EXPECT_FALSE(ray_crosses(p, {0, 0}, {0, 2})) << "behind";
+  EXPECT_FALSE(ray_crosses(p, {2, 1}, {4, 1})) << "along";
+  EXPECT_FALSE(ray_crosses(p, {3, 2}, {3, 4})) << "above";
+  EXPECT_TRUE(ray_crosses(p, {3, 1}, {3, 2}));
+  EXPECT_FALSE(ray_crosses(p, {3, 0}, {3, 1}));
+  EXPECT_TRUE(ray_crosses(p, {0, 0}, {4, 2.1})) << "it passes at x = 1.9";
+  EXPECT_FALSE(ray_crosses(p, {0, 0}, {4, 8})) << "it passes at x = 0.5";
+}
+
 // A face 100 mm long and 1e-9 mm high, as joining a T-junction leaves it.
 TEST(Triangle, NeedleIsAsNearAsItsSide) {
   const Triangle needle{Vec3(0, 0, 0), Vec3(100, 0, 0), Vec3(37, 1e-9, 0)};

@@ -136,11 +136,11 @@ class LinkPlayer {
   void show(const recording::ModuleSample& s) {
     ++samples_;
     if (static_cast<std::size_t>(s.module) >= skin_.scene().design.layout.modules.size() || s.sample.valid == 0) return;
-    constexpr double kMostCounts = 65'535.0;
+    constexpr double kMaxCounts = 65'535.0;
     std::array<double, layout::kTaxelsPerModule> counts{};
     for (std::size_t t = 0; t < counts.size(); ++t)
       counts[t] =
-          std::clamp(s.sample.value[t] + shift_counts(rest_[static_cast<std::size_t>(s.module)][t]), 0.0, kMostCounts);
+          std::clamp(s.sample.value[t] + shift_counts(rest_[static_cast<std::size_t>(s.module)][t]), 0.0, kMaxCounts);
     skin_.skin().show(s.module, counts);
   }
   void run_us(double span_us) {

@@ -230,8 +230,7 @@ class Compaction {
     const Vec2 p = inner.rings_mm[0][0] + inner.shift_mm - outer.shift_mm;
     bool inside = false;
     for_each_corner(outer, [&](const Vec2& a, const Vec2& b) {
-      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        inside = !inside;
+      if (geometry::ray_crosses(p, a, b)) inside = !inside;
     });
     return inside;
   }

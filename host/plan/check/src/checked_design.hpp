@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -130,7 +131,8 @@ void check_regions(const CheckedDesign& design, Findings& findings);
 /// Compares the numbers and the id that the file states.
 void check_report(const CheckedDesign& design, Findings& findings);
 
-inline constexpr double kSide = 30.0;
+inline constexpr double kSide = 30.0, kRoot3 = std::numbers::sqrt3;
+inline constexpr double kModule_mm2 = kSide * kSide * kRoot3 / 4.0;
 [[nodiscard]] inline std::string module_name(std::size_t k) {
   return "module " + std::to_string(k);
 }

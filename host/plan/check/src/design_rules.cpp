@@ -14,8 +14,6 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kModule_mm2 = kSide * kSide * 0.43301270189221932;
-
 void stated(Findings& f, const char* rule, double says, double is, double tolerance) {
   if (!(std::abs(says - is) <= tolerance)) f.broken(rule, "design", fmt::format("states {:.6g}, is {:.6g}", says, is));
 }

@@ -22,9 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-const double kSqrt3 = std::sqrt(3.0);
-const double kInner_mm = kSide * kSqrt3 / 6.0, kOuter_mm = 2.0 * kInner_mm;
-const double kTriangle_mm2 = kSide * kSide * kSqrt3 / 4.0;
+constexpr double kInner_mm = kSide * kRoot3 / 6.0, kOuter_mm = 2.0 * kInner_mm;
 
 struct FlatModule {
   P2 middle;
@@ -83,12 +81,12 @@ void require_simple(const Layout& layout) {
 // The grid as docs/design_file.md writes it down, with triangles of 30 mm in the middle of cells that are wider by half
 // the gap on every side.
 FlatModule module_of(const json& tile, const json& lattice, const Layout& layout) {
-  const double pitch = kSide + layout.gap_mm * kSqrt3, theta = lattice.at("theta_rad").get<double>();
+  const double pitch = kSide + layout.gap_mm * kRoot3, theta = lattice.at("theta_rad").get<double>();
   const bool up = tile.at("up").get<bool>();
   const double third = up ? 1.0 / 3.0 : 2.0 / 3.0;
   const double u = tile.at("i").get<double>() + third, v = tile.at("j").get<double>() + third;
   const double x = pitch * (u + 0.5 * v) - lattice.at("x_mm").get<double>(),
-               y = pitch * kSqrt3 / 2.0 * v - lattice.at("y_mm").get<double>();
+               y = pitch * kRoot3 / 2.0 * v - lattice.at("y_mm").get<double>();
   const double c = std::cos(theta), s = std::sin(theta);
   FlatModule module{P2(c * x + s * y, c * y - s * x) - layout.origin, {}};
   const double radius = kOuter_mm * (1.0 - layout.tolerance_mm / kInner_mm);
@@ -177,7 +175,7 @@ class Bound {
 
   int modules() {
     std::vector<char> used = squares_of_modules(rows_to_a_middle());
-    const double module = kTriangle_mm2 * std::pow(1.0 - layout_.tolerance_mm / kInner_mm, 2.0);
+    const double module = kModule_mm2 * std::pow(1.0 - layout_.tolerance_mm / kInner_mm, 2.0);
     int sum = 0;
     for (const double area : parts(used)) sum += static_cast<int>(std::floor(area / module * (1.0 + 1e-9)));
     return sum;
@@ -289,7 +287,7 @@ int bound_by_gap(const Layout& layout) {
                disc = std::numbers::pi * half * half;
   double border = 0.0;
   for (const FlatEdge& e : layout.edges) border += (e.b - e.a).norm();
-  const double module = kTriangle_mm2 * scale * scale + 3.0 * kSide * scale * half + disc;
+  const double module = kModule_mm2 * scale * scale + 3.0 * kSide * scale * half + disc;
   return static_cast<int>(std::floor((layout.area_mm2 + border * half + disc) / module * (1.0 + 1e-9)));
 }
 

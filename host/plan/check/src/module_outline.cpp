@@ -7,7 +7,6 @@
 namespace triskin::check {
 namespace {
 
-const double kRoot3 = std::sqrt(3.0);
 // Both distances are taken from the centre.
 const double kToSide = kSide * kRoot3 / 6.0, kToCorner = kSide * kRoot3 / 3.0;
 

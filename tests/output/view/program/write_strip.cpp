@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "support/strip_design.hpp"
+#include "triskin/geometry/triangle.hpp"
 
 namespace {
 
@@ -19,7 +20,7 @@ void state_totals(Design& d) {
   double area_mm2 = 0.0;
   for (const auto& face : d.surface.faces) {
     const auto corner = [&](std::size_t k) { return d.surface.vertices[static_cast<std::size_t>(face[k])]; };
-    area_mm2 += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2.0;
+    area_mm2 += triskin::geometry::area_of({corner(0), corner(1), corner(2)});
   }
   d.report.area_cm2 = area_mm2 / 100.0;
   d.report.coverage = static_cast<double>(d.layout.modules.size()) * kModuleArea_mm2 / area_mm2;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "triskin/base/error.hpp"
+#include "triskin/geometry/segment.hpp"
 #include "triskin/placement/polygon_io.hpp"
 
 namespace triskin::placement {
@@ -14,9 +15,7 @@ namespace {
 bool is_inside(const std::vector<Vec2>& ring, const Vec2& p) {
   bool inside = false;
   for (std::size_t k = 0; k < ring.size(); ++k) {
-    const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      inside = !inside;
+    if (geometry::ray_crosses(p, ring[k], ring[(k + 1) % ring.size()])) inside = !inside;
   }
   return inside;
 }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/geometry/segment.hpp"
 #include "triskin/placement/lattices.hpp"
 #include "triskin/placement/polygon_io.hpp"
 
@@ -30,11 +31,9 @@ double distance_to_border(const Polygon& polygon, const Vec2& p, bool& is_inside
   is_inside = false;
   const auto walk = [&](const Ring& ring) {
     for (std::size_t k = 0; k < ring.size(); ++k) {
-      const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()], d = b - a;
-      const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-      least = std::min(least, (p - a - t * d).norm());
-      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * d.x())
-        is_inside = !is_inside;
+      const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
+      least = std::min(least, geometry::distance_to_segment(p, a, b));
+      if (geometry::ray_crosses(p, a, b)) is_inside = !is_inside;
     }
   };
   walk(polygon.outer);

@@ -31,4 +31,10 @@ template <Point V>
   return (closest_on_segment(p, a, b) - p).norm();
 }
 
+/// Returns whether the ray from p towards +x crosses the segment from a to b, which has its lower end but not its upper
+/// one. p is inside a ring whose sides it crosses an odd number of times; on a side it may be either.
+[[nodiscard]] inline bool ray_crosses(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+}
+
 }  // namespace triskin::geometry
