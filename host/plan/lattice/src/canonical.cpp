@@ -46,14 +46,17 @@ CanonicalCopy::CanonicalCopy(const Mesh& original) {
 
 // Uses moments of the area, not of the vertices, because they do not depend on how a shape is meshed.
 void CanonicalCopy::choose_axes(const Mesh& original) {
+  if (original.vertices.empty()) return;
+  const Vec3 from = original.vertices.front();  // Sums of places far from the origin would lose digits.
   double area = 0.0;
+  Vec3 moment = Vec3::Zero();
   for (const auto& f : original.faces) {
     const Face t = face_of(original, f);
-    middle_ += t.area() * (t.a + t.b + t.c) / 3.0;
+    moment += t.area() * ((t.a - from) + (t.b - from) + (t.c - from)) / 3.0;
     area += t.area();
   }
   if (!(area > 0.0)) return;
-  middle_ /= area;
+  middle_ = from + moment / area;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const auto& f : original.faces) {
     const Face t = face_of(original, f);

@@ -28,7 +28,9 @@ struct Stand {
   double to_border_mm;
   double across_mm;  ///< The distance from the nearest point of the border is taken across the normal there.
   /// Returns true if the border is the nearest part of the surface: the point then overhangs it by across_mm.
-  [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + kTouching_mm; }
+  [[nodiscard]] bool over() const {
+    return to_border_mm <= foot.distance_mm + kTouching_mm + rounding_mm(foot.position_mm);
+  }
 };
 
 /// Bounds the distances of a point by those of another, which makes the searches several times shorter.
@@ -36,7 +38,8 @@ struct Near {
   double surface_mm = std::numeric_limits<double>::infinity(), border_mm = surface_mm;
 
   static Near beside(const Stand& s, double way_mm) {
-    return {search_bound(s.foot.distance_mm + way_mm), search_bound(s.to_border_mm + way_mm)};
+    const Vec3& place = s.foot.position_mm;
+    return {search_bound(s.foot.distance_mm + way_mm, place), search_bound(s.to_border_mm + way_mm, place)};
   }
 };
 

@@ -38,7 +38,7 @@ SideHeights walk_sides(const mesh::Surface& surface, const design::Outline& outl
     const int samples = std::max(1, static_cast<int>(std::lround(side.norm() / step_mm)));
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + side * (static_cast<double>(k) / samples);
-      c = surface.closest(p, search_bound((p - c.position_mm).norm()));
+      c = surface.closest(p, search_bound((p - c.position_mm).norm(), p));
       const double height = (p - c.position_mm).dot(surface.normal_at(c));
       h.lift_mm = std::max(h.lift_mm, height);
       h.depth_mm = std::max(h.depth_mm, -height);
@@ -48,7 +48,7 @@ SideHeights walk_sides(const mesh::Surface& surface, const design::Outline& outl
 }
 
 Vec3 held_to_surface(const mesh::Surface& surface, const Vec3& p, double overhang_mm, Vec3& foot) {
-  const mesh::SurfacePoint found = surface.closest(p, search_bound((p - foot).norm()));
+  const mesh::SurfacePoint found = surface.closest(p, search_bound((p - foot).norm(), p));
   foot = found.position_mm;
   if (overhang_mm <= 0.0 || !(surface.border_distance(foot) <= 1e-6)) return foot;
   const Vec3 off = p - foot, n = surface.normal_at(found), over = off - off.dot(n) * n;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "edge_sides.hpp"
 #include "triangle_tree.hpp"
@@ -127,6 +128,7 @@ double Surface::border_distance(const Vec3& query_mm) const {
 }
 
 Vec3 Surface::normal_at(const SurfacePoint& point) const {
+  if (point.face < 0) throw std::logic_error("surface: a normal was asked for where no point of the surface was found");
   const auto& f = mesh_.faces[at(point.face)];
   const Vec3 n = point.barycentric[0] * vertex_normal_[at(f[0])] + point.barycentric[1] * vertex_normal_[at(f[1])] +
                  point.barycentric[2] * vertex_normal_[at(f[2])];
