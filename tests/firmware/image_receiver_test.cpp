@@ -7,6 +7,7 @@
 #include <deque>
 #include <set>
 
+#include "firmware_image.hpp"
 #include "flash_double.hpp"
 
 namespace triskin::boot {
@@ -15,12 +16,13 @@ namespace {
 using wire::update::Command;
 using wire::update::Phase;
 
-constexpr std::array<std::uint32_t, 2> kOrigins{0x08004000, 0x08040000};
 constexpr std::size_t kPages = 120;  // The slot has 240 KB, as on the board.
 constexpr std::uint32_t kRuns = 0x00020000, kNew = 0x00030000;
 constexpr std::uint16_t kSession = 0x1234;
 
 using Area = test::FlashDouble<fw::FlashArea>;
+using test::image_for;
+using test::kOrigins;
 
 class Port final : public fw::CanPort {
  public:
@@ -43,18 +45,6 @@ class Restarts final : public fw::Restart {
   std::optional<wire::ImageState> image_state() override { return std::nullopt; }
   int count = 0;
 };
-
-std::vector<std::uint8_t> image_for(int slot, std::uint32_t version, std::size_t bytes, std::uint8_t fill) {
-  std::vector<std::uint8_t> image(bytes);
-  for (std::size_t k = 0; k < bytes; ++k) image[k] = static_cast<std::uint8_t>(fill + k / 8 + k % 8);
-  std::fill_n(image.begin() + 512, 64, std::uint8_t{0xFF});  // This gap reads as erased.
-  ByteWriter w(image);
-  w.le32(0x20010000);
-  w.le32(kOrigins[static_cast<std::size_t>(slot)] + 0x201);
-  std::ranges::copy(layout::encode_label({wire::kPartNumber, version, kOrigins[static_cast<std::size_t>(slot)]}),
-                    image.begin() + layout::kLabelOffset);
-  return image;
-}
 
 /// Slot 0 runs, and slot 1 is free.
 class Receiver : public ::testing::Test {

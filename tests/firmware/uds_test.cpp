@@ -56,17 +56,77 @@ TEST(UdsVectors, CanFd) {
   converse(64);
 }
 
-TEST(Uds, ThreeWrongKeysLockUntilReset) {
-  Bench bench;
-  bench.power_up();
+constexpr std::uint8_t kInvalidKey = 0x35, kAttemptsExceeded = 0x36, kTimeDelayNotExpired = 0x37;
+
+void give_three_wrong_keys(Bench& bench) {
   ASSERT_EQ(bench.ask({0x10, 0x03}).at(0), 0x50);
   for (int k = 0; k < 3; ++k) {
     ASSERT_EQ(bench.ask({0x27, 0x01}).at(0), 0x67);
-    ASSERT_EQ(bench.ask({0x27, 0x02, 0, 0, 0, 1}), (Message{0x7F, 0x27, 0x35}));
+    ASSERT_EQ(bench.ask({0x27, 0x02, 0, 0, 0, 1}), (Message{0x7F, 0x27, k < 2 ? kInvalidKey : kAttemptsExceeded}));
   }
-  EXPECT_EQ(bench.ask({0x27, 0x01}), (Message{0x7F, 0x27, 0x36}));
+}
+
+// Keeps the session alive for ten seconds; the lock must not depend on its end.
+TEST(Uds, ThreeWrongKeysLockForTenSeconds) {
+  Bench bench;
+  bench.power_up();
+  give_three_wrong_keys(bench);
+  for (int s = 0; s < 9; ++s) {
+    ASSERT_EQ(bench.ask({0x27, 0x01}), (Message{0x7F, 0x27, kTimeDelayNotExpired})) << s << " s";
+    bench.run(1'000'000);
+  }
+  ASSERT_EQ(bench.ask({0x10, 0x03}).at(0), 0x50);
+  EXPECT_EQ(bench.ask({0x27, 0x01}), (Message{0x7F, 0x27, kTimeDelayNotExpired})) << "in another session, too";
+  bench.run(1'000'000);
+  bench.unlock();
+  // The count begins anew: the next wrong key is the first of three.
+  ASSERT_EQ(bench.ask({0x10, 0x03}).at(0), 0x50);
+  ASSERT_EQ(bench.ask({0x27, 0x01}).at(0), 0x67);
+  EXPECT_EQ(bench.ask({0x27, 0x02, 0, 0, 0, 1}), (Message{0x7F, 0x27, kInvalidKey}));
+}
+
+TEST(Uds, AResetEndsTheLock) {
+  Bench bench;
+  bench.power_up();
+  give_three_wrong_keys(bench);
+  EXPECT_EQ(bench.ask({0x27, 0x01}), (Message{0x7F, 0x27, kTimeDelayNotExpired}));
   EXPECT_EQ(bench.ask({0x11, 0x01}), (Message{0x51, 0x01}));
   bench.unlock();
+}
+
+// A right key between wrong ones clears the count.
+TEST(Uds, WrongKeysCountInARowOnly) {
+  Bench bench;
+  bench.power_up();
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_EQ(bench.ask({0x10, 0x03}).at(0), 0x50);
+    for (int wrong = 0; wrong < 2; ++wrong) {
+      ASSERT_EQ(bench.ask({0x27, 0x01}).at(0), 0x67);
+      ASSERT_EQ(bench.ask({0x27, 0x02, 0, 0, 0, 1}), (Message{0x7F, 0x27, kInvalidKey}));
+    }
+    bench.unlock();
+  }
+}
+
+// Whatever writes into a flash needs the key, in a session that allows it.
+TEST(Uds, WritingAnythingNeedsTheKey) {
+  const std::vector<Message> requests{{0x31, 0x01, 0x02, 0x05},                        // activate the table
+                                      {0x31, 0x01, 0x02, 0x07, 0x01},                  // protect the loader
+                                      {0x31, 0x01, 0x02, 0x07, 0x00},                  // release it
+                                      {0x2E, 0xFD, 0x01, 0x05},                        // node address
+                                      {0x34, 0x00, 0x44, 0, 1, 0, 0, 0, 0, 0, 0x2C}};  // download
+  Bench bench;
+  bench.power_up();
+  for (const Message& request : requests) {
+    ASSERT_EQ(bench.ask({0x10, 0x01}).at(0), 0x50);
+    EXPECT_EQ(bench.ask(request), (Message{0x7F, request[0], 0x7F})) << testing::PrintToString(request);
+    ASSERT_EQ(bench.ask({0x10, 0x03}).at(0), 0x50);
+    EXPECT_EQ(bench.ask(request), (Message{0x7F, request[0], 0x33})) << testing::PrintToString(request);
+  }
+  // With the key the board is asked; the simulated one has no loader to protect, and the result says that it failed.
+  bench.unlock();
+  EXPECT_EQ(bench.ask({0x31, 0x01, 0x02, 0x07, 0x01}),
+            (Message{0x71, 0x01, 0x02, 0x07, static_cast<std::uint8_t>(Status::kFlashFailed)}));
 }
 
 TEST(Uds, ANewSessionLocksAgain) {

@@ -165,17 +165,18 @@ void Application::receive(Channel& c) {
   }
 }
 
-// The answer is sent first, also through the queue of the port.
+// The answer is sent first, also through the queue of the port. One that nobody takes delays the restart by no more
+// than a second, and later requests do not delay it.
 void Application::reset_when_answered() {
   constexpr std::uint64_t kQueue_us = 5'000;
+  if (!reset_requested_) return;
+  if (reset_at_us_ == UINT64_MAX) reset_at_us_ = now_us() + wire::IsoTp::kTimeout_us;
+  const bool through_loader = through_loader_ && ports_.restart != nullptr;
   const bool answered = std::ranges::none_of(
       channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
-  if (!reset_requested_ || !answered) return;
-  if (through_loader_ && ports_.restart != nullptr) {
-    if (reset_at_us_ == UINT64_MAX) reset_at_us_ = now_us() + kQueue_us;
-    if (now_us() < reset_at_us_) return;
-    ports_.restart->restart();
-  }
+  if (answered) reset_at_us_ = std::min(reset_at_us_, now_us() + (through_loader ? kQueue_us : 0));
+  if (now_us() < reset_at_us_) return;
+  if (through_loader) ports_.restart->restart();
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;

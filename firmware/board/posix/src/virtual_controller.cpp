@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <stdexcept>
 
 #include "triskin/app/application.hpp"
 #include "triskin/boot/dfu_device.hpp"
@@ -18,6 +19,8 @@ namespace {
 constexpr std::uint64_t kByte_ns = 22'500;  // Nine bits at 400 kHz take this long.
 constexpr std::uint64_t kBit_ns = 2'500;    // A start, repeated start or stop takes this long.
 constexpr std::uint64_t kStuckTimeout_us = 1'000;
+// The check of a whole image takes 480 steps, which take no time here.
+constexpr int kMaxStepsAtOnce = 10'000;
 
 class VirtualClock final : public fw::Clock {
  public:
@@ -226,7 +229,9 @@ class Controller final : public VirtualController, private fw::Restart, private 
 
   void run_until(std::uint64_t now_us) override {
     can_.advance(now_us);
-    while (next_step_us() <= now_us) {
+    for (int at_once = 0; next_step_us() <= now_us; ++at_once) {
+      if (next_step_us() > clock_.now) at_once = 0;
+      if (at_once > kMaxStepsAtOnce) throw std::logic_error("the firmware makes no progress: its next event is past");
       clock_.now = std::max(clock_.now, next_step_us());
       step();
     }

@@ -52,6 +52,7 @@ void UdsServer::restart() {
   leave_session();
   seed_ = 0;
   wrong_keys_ = 0;
+  locked_until_us_ = 0;
 }
 
 void UdsServer::tick() {
@@ -158,7 +159,7 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   if (session_ == Session::kDefault) return nrc::kServiceNotInSession;
   if (request[1] == 0x01) {
     if (request.size() != 2) return nrc::kWrongLength;
-    if (wrong_keys_ >= kMaxWrongKeys) return nrc::kAttemptsExceeded;
+    if (host_.now_us() < locked_until_us_) return nrc::kKeysLocked;
     // The seed stays the same until a key was tried: a tester whose answer was lost asks again, and either answer is
     // right.
     if (seed_ == 0) seed_ = static_cast<std::uint32_t>(host_.now_us()) * 2654435761U + ++seed_count_;
@@ -174,8 +175,10 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   const bool right = key == security_key(seed_);
   seed_ = 0;
   if (!right) {
-    ++wrong_keys_;  // Only a reset clears the counter.
-    return nrc::kInvalidKey;
+    if (++wrong_keys_ < kMaxWrongKeys) return nrc::kInvalidKey;
+    wrong_keys_ = 0;
+    locked_until_us_ = host_.now_us() + kKeyLock_us;
+    return nrc::kAttemptsExceeded;
   }
   wrong_keys_ = 0;
   unlocked_ = true;

@@ -15,6 +15,8 @@ using wire::IsoTp;
 
 namespace {
 
+static_assert(wire::kKeyLock_us == 10'000'000, "reason() says 10 s");
+
 const char* reason(std::uint8_t code) {
   switch (code) {
     case wire::nrc::kServiceNotSupported:
@@ -34,7 +36,8 @@ const char* reason(std::uint8_t code) {
     case wire::nrc::kInvalidKey:
       return "invalid key";
     case wire::nrc::kAttemptsExceeded:
-      return "too many wrong keys; power-cycle the controller";
+    case wire::nrc::kKeysLocked:
+      return "it got three wrong keys and takes none for 10 s; wait, then run the command again";
     case wire::nrc::kUploadNotAccepted:
       return "transfer not accepted";
     case wire::nrc::kProgrammingFailure:

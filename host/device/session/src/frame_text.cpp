@@ -48,6 +48,7 @@ constexpr std::array kRefusals{Named{wire::nrc::kServiceNotSupported, "service n
                                Named{wire::nrc::kSecurityDenied, "security access denied"},
                                Named{wire::nrc::kInvalidKey, "invalid key"},
                                Named{wire::nrc::kAttemptsExceeded, "too many attempts"},
+                               Named{wire::nrc::kKeysLocked, "keys are locked"},
                                Named{wire::nrc::kUploadNotAccepted, "upload or download not accepted"},
                                Named{wire::nrc::kProgrammingFailure, "programming failure"},
                                Named{wire::nrc::kWrongBlock, "wrong block counter"},

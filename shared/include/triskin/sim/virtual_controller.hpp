@@ -57,7 +57,8 @@ class VirtualController {
   /// plugged in again.
   [[nodiscard]] virtual wire::UsbFunction& usb() = 0;
   [[nodiscard]] virtual int usb_session() const = 0;
-  /// Runs the application until the virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
+  /// Runs the application until the virtual time `now_us` (monotonic). May throw PowerLost from the flash model, and
+  /// std::logic_error when the firmware asks for time again and again without doing anything, which is a mistake in it.
   virtual void run_until(std::uint64_t now_us) = 0;
   /// Returns the earliest virtual time at which the application has work; a time ≤ now means that it is busy.
   [[nodiscard]] virtual std::uint64_t next_event_us() const = 0;

@@ -22,7 +22,7 @@ inline constexpr std::uint8_t kPositive = 0x40;  ///< A positive response carrie
 namespace nrc {
 inline constexpr std::uint8_t kServiceNotSupported = 0x11, kSubFunctionNotSupported = 0x12, kWrongLength = 0x13,
                               kConditionsNotCorrect = 0x22, kSequenceError = 0x24, kOutOfRange = 0x31,
-                              kSecurityDenied = 0x33, kInvalidKey = 0x35, kAttemptsExceeded = 0x36,
+                              kSecurityDenied = 0x33, kInvalidKey = 0x35, kAttemptsExceeded = 0x36, kKeysLocked = 0x37,
                               kUploadNotAccepted = 0x70, kProgrammingFailure = 0x72, kWrongBlock = 0x73,
                               kPending = 0x78, kSubFunctionNotInSession = 0x7E, kServiceNotInSession = 0x7F;
 }
@@ -43,6 +43,8 @@ inline constexpr std::uint32_t kPhysicalBase = 0x18DA0000, kFunctionalId = 0x18D
 }
 
 inline constexpr std::uint64_t kP2_us = 50'000, kP2Star_us = 5'000'000, kS3_us = 5'000'000;
+/// After three wrong keys in a row a controller gives no seed for this long, or until it is reset.
+inline constexpr std::uint64_t kKeyLock_us = 10'000'000;
 
 /// Computes the security access key for a seed on both sides. It prevents accidents, not attacks.
 [[nodiscard]] constexpr std::uint32_t security_key(std::uint32_t seed) {

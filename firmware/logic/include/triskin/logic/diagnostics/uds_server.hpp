@@ -83,6 +83,7 @@ class UdsServer {
   bool unlocked_ = false, suppress_ = false;
   std::uint32_t seed_ = 0, seed_count_ = 0;
   int wrong_keys_ = 0;
+  std::uint64_t locked_until_us_ = 0;  // Until then no seed is given.
   Transfer transfer_ = Transfer::kNone;
   std::uint8_t block_ = 0;
   std::size_t upload_at_ = 0;
