@@ -148,7 +148,7 @@ def check_includes(root):
             for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
                 found = INCLUDE.match(line)
                 if BUS_DISCOVERY.search(line) and name.startswith("host/") and not name.startswith(tuple(MAY_DISCOVER)):
-                    print(f"{name}:{number}: asks a bus who is there; take LiveBus::find_controllers (docs/skin.md)")
+                    print(f"{name}:{number}: asks a bus who is there; take LiveBus::find_controllers (docs/stream.md)")
                     bad += 1
                 if found and crosses(part, name, found.group(1)):
                     print(f"{name}:{number}: include of {found.group(1)} crosses a seam; see docs/architecture.md")

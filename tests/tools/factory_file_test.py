@@ -3,7 +3,7 @@
 """Reads the factory file with a foreign program. Usage: factory_file_test.py OBJCOPY
 
 The hex file is turned into bytes by objcopy and must be the bin file; loader, application and commit record must lie
-where docs/firmware_board.md has them, and nowhere else anything may be written: what is filled up with FF would count as
+where docs/flash_layout.md has them, and nowhere else anything may be written: what is filled up with FF would count as
 programmed on the chip, and tables could not be stored there."""
 import binascii
 import json

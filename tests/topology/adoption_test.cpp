@@ -93,7 +93,7 @@ class Fixture {
   std::optional<session::Stream> stream_;
 };
 
-constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/rerouting.md states this time.
+constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/switched_module.md states this time.
 // The time has the owner's second search, after 2 + 2 s, and the hand-back.
 constexpr std::uint64_t kBack_us = 5'000'000;
 

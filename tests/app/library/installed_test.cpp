@@ -97,7 +97,7 @@ TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
                            "lib/udev/rules.d/70-triskin.rules", "share/triskin/ros/triskin_msgs/package.xml"})
     EXPECT_TRUE(fs::exists(prefix / file)) << file;
   const fs::path doc = prefix / "share/doc" / TRISKIN_PACKAGE;
-  for (const char* file : {"copyright", "changelog.gz", "docs/start_flash.md", "examples/from_bare_boards.sh"})
+  for (const char* file : {"copyright", "changelog.gz", "docs/start.md", "examples/from_bare_boards.sh"})
     EXPECT_TRUE(fs::exists(doc / file)) << file;
 }
 

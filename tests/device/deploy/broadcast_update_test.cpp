@@ -62,7 +62,7 @@ FirmwarePackage old_firmware() {
 }
 
 // Returns the least time for the flash of one board: each page of the image and that of the records erased, each unit
-// programmed, nothing in parallel (docs/firmware_board.md).
+// programmed, nothing in parallel (docs/flash_layout.md).
 double flash_floor_s(std::uint32_t bytes) {
   constexpr std::uint32_t kPage = 2048, kUnit = 8;
   const std::uint64_t pages = (bytes + kPage - 1) / kPage + 1, units = bytes / kUnit + 2;

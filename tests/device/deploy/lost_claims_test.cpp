@@ -29,7 +29,7 @@ struct Outcome {
   std::size_t silent = 0;
 };
 
-// Reads the flash as the loader does, with the layout of docs/firmware_board.md: each slot ends with a page that begins
+// Reads the flash as the loader does, with the layout of docs/flash_layout.md: each slot ends with a page that begins
 // with magic, sequence and size of the commit.
 bool newest_image_is(Bytes slots, const FirmwarePackage& package) {
   constexpr std::size_t kSlot = sim::kSlotsBytes / 2, kPage = 2048;

@@ -13,7 +13,7 @@ namespace triskin::machine {
 namespace {
 
 constexpr std::uint32_t kSlotA = 0x08004000;
-// docs/firmware_board.md, flash map: the marks begin 1,024 bytes into the page of records, three starts before the
+// docs/flash_layout.md, flash map: the marks begin 1,024 bytes into the page of records, three starts before the
 // confirmation; their first four bytes are "TSKM".
 constexpr std::uint32_t kStarts = kSlotA + 0x3B800 + 1024, kConfirmation = kStarts + 3 * 8, kMark = 0x4D4B5354;
 

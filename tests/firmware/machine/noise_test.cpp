@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures sample rate against noise: tools/make_noise_table writes the table of docs/firmware_board.md from this
+// Measures sample rate against noise: tools/make_noise_table writes the table of docs/firmware.md from this
 // output.
 #include <algorithm>
 #include <cmath>

@@ -254,7 +254,7 @@ TEST(Plan, names_the_modules_that_need_a_second_feed) {
     }
     return found;
   };
-  EXPECT_TRUE(lines_about_feed({}).empty()) << "by the figures of docs/supply.md there is enough";
+  EXPECT_TRUE(lines_about_feed({}).empty()) << "by the figures of docs/routing.md there is enough";
   const auto weak = lines_about_feed({.supply_v = 3.0, .module_ma = 20.0});
   ASSERT_FALSE(weak.empty());
   EXPECT_NE(weak[0].find("2.75 V"), std::string::npos) << weak[0];

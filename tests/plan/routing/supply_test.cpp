@@ -42,7 +42,7 @@ TEST(Supply, OfAForkByHand) {
   EXPECT_NEAR(drops[3], 0.060 + 0.030, 1e-15);
 }
 
-// Cable of 0.5 m with its plugs and a joint, by the figures of docs/supply.md: 0.61 Ω for both modules, 0.23 Ω for
+// Cable of 0.5 m with its plugs and a joint, by the figures of docs/routing.md: 0.61 Ω for both modules, 0.23 Ω for
 // one.
 TEST(Supply, OfTwoModulesByTheFiguresOfThePage) {
   design::Design d;

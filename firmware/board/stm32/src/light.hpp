@@ -8,7 +8,7 @@
 
 namespace triskin::board {
 
-/// Meanings of the board's light (docs/firmware_board.md). A pattern has ten steps of a tenth of a second, bit 0 first.
+/// Meanings of the board's light (docs/program_board.md). A pattern has ten steps of a tenth of a second, bit 0 first.
 enum class Light : std::uint16_t {
   kNoTable = 0b00'0000'0001,    ///< One short flash means that the application runs without a table.
   kSampling = 0b00'0001'1111,   ///< The light is on for half a second and off for half a second.

@@ -175,7 +175,7 @@ class PatchChecker {
 
   // Every converter needs 2.6 V, and 0.15 V more for what the figures leave out: the pull-ups' current through ground,
   // the converter's maximal current, heat. The currents are summed from the ends of the tree to its entry, the voltages
-  // from there to the ends. docs/supply.md has the sources.
+  // from there to the ends. docs/routing.md has the sources.
   void supply() {
     constexpr double kNeeded_v = 2.6 + 0.15, kController_v = 3.3 * 0.97, kModule_a = 1e-3;
     constexpr double kCable_ohm_per_mm = 0.98e-3, kPlugs_ohm = 0.12, kCable_mm = 500.0, kJoint_ohm = 0.23;

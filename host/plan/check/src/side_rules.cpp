@@ -23,7 +23,7 @@ using Triangles = std::vector<RayKernel::Triangle_3>;
 using RayPrimitive = CGAL::AABB_triangle_primitive<RayKernel, Triangles::const_iterator>;
 using RayTree = CGAL::AABB_tree<CGAL::AABB_traits<RayKernel, RayPrimitive>>;
 
-constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // docs/side.md defines a wall by these limits.
+constexpr double kMinWall_mm = 0.3, kMaxWall_mm = 8.0;  // docs/mesh.md defines a wall by these limits.
 constexpr double kOpposite = -0.7;  // The two sides of a wall have normals with at most this cosine.
 // Rays start this far off, because otherwise the side on which they start would stop them.
 constexpr double kOff_mm = 0.02;

@@ -226,7 +226,7 @@ std::size_t VirtualSkin::host_frames_waiting() const {
 
 void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
-  // Samples make up most of the traffic, and the filter of a controller rejects them (firmware_board.md).
+  // Samples make up most of the traffic, and the filter of a controller rejects them.
   const bool refused = pending.frame.extended && (pending.frame.id & kStreamMask) == wire::kFullBase;
   for (std::size_t p = 0; p < nodes_.size() && !refused; ++p) {
     if (p == pending.from || nodes_[p].controller == nullptr) continue;

@@ -6,7 +6,7 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// A firmware file contains the application twice, linked for slot A and for slot B. See docs/firmware_board.md,
+/// A firmware file contains the application twice, linked for slot A and for slot B. See docs/flash_layout.md,
 /// "Firmware package".
 namespace triskin::layout {
 

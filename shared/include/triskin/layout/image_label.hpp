@@ -6,7 +6,7 @@
 #include "triskin/core/bytes.hpp"
 #include "triskin/core/status.hpp"
 
-/// The label describes an image of the application and follows its vectors. See docs/firmware_board.md, "Label".
+/// The label describes an image of the application and follows its vectors. See docs/flash_layout.md, "Firmware files".
 namespace triskin::layout {
 
 /// The label follows the 118 interrupt vectors of the microcontroller.

@@ -5,7 +5,7 @@ namespace triskin::layout {
 
 /// Pressure of 1 kPa changes a taxel by about this many converter counts: 2.5 fF/kPa between 2 and 45 kPa (Maiolino et
 /// al. 2013) at 16 pF in 65,536 counts. Skins differ with their dielectric, and `triskin calibrate` measures a real one
-/// (docs/taxel_sensitivity.md).
+/// (docs/calibration.md).
 inline constexpr double kCountsPerKpa = 10.0;
 /// A sample scatters with this standard deviation: 0.70 … 0.78 of a byte of 4 counts in the recordings that Belli et
 /// al. 2023 published.

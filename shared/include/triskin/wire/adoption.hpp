@@ -11,7 +11,7 @@
 #include "triskin/wire/identifiers.hpp"
 
 /// Tells which modules of its own patch a controller of switched modules cannot reach, and which modules of a
-/// neighbouring patch it reads. See docs/rerouting.md.
+/// neighbouring patch it reads. See docs/switched_module.md.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kReachBase = 0x18E3FF00;

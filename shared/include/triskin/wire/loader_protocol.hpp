@@ -4,7 +4,7 @@
 #include <optional>
 
 /// The loader's CAN protocol uses classic frames with 29-bit identifiers. FROZEN: loaders in the field are never
-/// replaced, so nothing here may change; new functions belong to the application's UDS. docs/firmware_board.md has the
+/// replaced, so nothing here may change; new functions belong to the application's UDS. docs/flash_layout.md has the
 /// sequence of an update.
 namespace triskin::wire::loader {
 

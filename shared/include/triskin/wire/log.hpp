@@ -12,7 +12,7 @@
 #include "triskin/wire/identifiers.hpp"
 
 /// A controller's log consists of lines of text, which become frames for the readers that asked for them (FD13). See
-/// docs/log.md.
+/// docs/diagnose.md.
 namespace triskin::wire {
 
 /// Levels rank the importance of a line. A reader that asks for one level also gets the levels before it.

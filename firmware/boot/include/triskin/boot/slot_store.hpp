@@ -27,7 +27,7 @@ struct SlotState {
   return {static_cast<std::uint8_t>(slot), state.confirmed, state.sequence, state.size_bytes, state.record_crc};
 }
 
-/// Each of the two application slots ends with a page of records that are only ever appended (docs/firmware_board.md):
+/// Each of the two application slots ends with a page of records that are only ever appended (docs/flash_layout.md):
 /// commit (sequence, size, CRC), up to three starts, confirmation. The page must be larger than 1,024 bytes. A power
 /// failure leaves the slot in its old or its new state.
 class SlotStore {

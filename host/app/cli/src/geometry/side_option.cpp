@@ -30,7 +30,7 @@ std::string name_of(const mesh::SideOptions& options) {
 void SideOption::add_to(CLI::App& app) {
   app.add_option(
          "--side", side_,
-         "side of a walled part: auto (the outer one), or side 1 or 2 of the picture drawn in doubt (docs/side.md)")
+         "side of a walled part: auto (the outer one), or side 1 or 2 of the picture drawn in doubt (docs/mesh.md)")
       ->check(CLI::IsMember({"auto", "outer", "inner", "both", "1", "2"}))
       ->capture_default_str();
   app.add_option("--from", from_, "x,y,z in mm: take the side that is seen from this point");

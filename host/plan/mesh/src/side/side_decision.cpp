@@ -12,7 +12,7 @@
 namespace triskin::mesh {
 namespace {
 
-constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/side.md
+constexpr double kDecided = 0.15;  // |outwardness| from which a region is decided; see docs/mesh.md
 constexpr double kWeak = 0.3, kBeyondDoubt = 0.5;
 constexpr double kPocket = -0.3;  // The floor of a thick body below this outwardness is a pocket.
 constexpr double kHiddenVisibility = 0.2;

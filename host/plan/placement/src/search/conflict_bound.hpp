@@ -18,7 +18,7 @@ namespace triskin::placement {
 /// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). If the normals of two or
 /// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell, so
 /// no box needs to be small along the free direction. Where pairs are not enough, linear programs find groups of tiles
-/// that exclude each other, and cores of up to four tiles of which one is left out (docs/placement_search.md). Keeps
+/// that exclude each other, and cores of up to four tiles of which one is left out (docs/placement.md). Keeps
 /// its memory, so each thread needs its own object.
 class ConflictBound {
  public:

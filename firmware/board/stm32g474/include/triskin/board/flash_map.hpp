@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// docs/firmware_board.md explains the layout of the flash. The linker scripts repeat the origins, and the build
+/// docs/flash_layout.md explains the layout of the flash. The linker scripts repeat the origins, and the build
 /// compares them.
 namespace triskin::board::flash_map {
 

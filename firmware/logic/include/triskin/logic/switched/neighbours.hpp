@@ -9,7 +9,7 @@
 namespace triskin::fw {
 
 /// Tracks what the controllers of neighbouring patches offer, and when a search of the patch is due because of it. A
-/// search while open() may adopt their modules. Time is an argument. See docs/rerouting.md.
+/// search while open() may adopt their modules. Time is an argument. See docs/switched_module.md.
 class Neighbours {
  public:
   /// An owner that offers modules repeats its frame at this interval.

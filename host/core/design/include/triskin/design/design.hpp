@@ -30,7 +30,7 @@ struct Alternative {
   double module_value = 0.0;  ///< Design::regions gives the value; without regions it is the number of modules.
 };
 
-/// The surface of a design was taken from this side of a walled part (docs/side.md).
+/// The surface of a design was taken from this side of a walled part (docs/mesh.md).
 struct PartSide {
   /// The text is outer, inner, both, 1 or 2 (sides in a picture), or from (what is seen from a point).
   std::string taken;

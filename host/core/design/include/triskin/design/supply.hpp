@@ -6,7 +6,7 @@
 
 namespace triskin::design {
 
-/// What the wires of a patch cost its supply. docs/supply.md has the sources; resistances are those of supply and
+/// What the wires of a patch cost its supply. docs/routing.md has the sources; resistances are those of supply and
 /// ground together.
 struct SupplyModel {
   double supply_v = 3.2;  ///< at the controller: 3.3 V − 3 %

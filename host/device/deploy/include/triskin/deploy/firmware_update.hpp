@@ -46,7 +46,7 @@ struct FirmwareResult {
   std::size_t bytes = 0;
 };
 
-/// Writes the firmware into the free slot of one controller over CAN through its loader (docs/firmware_board.md),
+/// Writes the firmware into the free slot of one controller over CAN through its loader (docs/flash_layout.md),
 /// starts it, and reads back which image runs. If it is interrupted, the old application stays and starts again. With
 /// dry_run nothing is written. Throws InputError as require_fit(); DeviceError: the controller is of another kind or
 /// runs a newer version, no answer of application or loader, flash refused, the new application was not started;

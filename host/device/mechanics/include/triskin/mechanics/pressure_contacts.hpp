@@ -11,7 +11,7 @@
 namespace triskin::mechanics {
 
 struct PressureOptions {
-  double noise_kpa = 0.3;          ///< The values of a taxel scatter with this deviation (docs/taxel_sensitivity.md).
+  double noise_kpa = 0.3;          ///< The values of a taxel scatter with this deviation (docs/calibration.md).
   double model_error = 0.02;       ///< The footprint may err by this share of the group's largest value.
   double taxel_area_mm2 = 39.0;    ///< Each taxel stands for this area of skin.
   double max_link_mm = 12.0;       ///< Pressed taxels up to this far apart belong to one group.

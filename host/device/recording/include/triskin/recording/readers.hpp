@@ -21,7 +21,7 @@ struct Reader {
 };
 
 /// Learns from the samples which controller reads each module: its own, until a sample arrives from another that has
-/// adopted it (docs/rerouting.md). Threads: one.
+/// adopted it (docs/switched_module.md). Threads: one.
 class Readers {
  public:
   /// Assumes that each module is read by its own controller. Throws std::out_of_range as design::wiring_of. Cost:

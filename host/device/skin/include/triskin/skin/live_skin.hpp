@@ -20,7 +20,7 @@ namespace triskin::session {
 class Stream;
 }
 
-/// docs/skin.md explains an open skin: LiveSkin has a LiveBus for each bus, which has a LiveCover for each cover.
+/// docs/stream.md explains an open skin: LiveSkin has a LiveBus for each bus, which has a LiveCover for each cover.
 namespace triskin::skin {
 
 /// One call that receives samples has these limits and callbacks.

@@ -12,7 +12,7 @@ struct BridgeReport {
   double area_mm2 = 0.0;  ///< All lids together have this area.
 };
 
-/// Closes holes by flat lids so that modules may span them (docs/side.md), if their border is nowhere wider than
+/// Closes holes by flat lids so that modules may span them (docs/mesh.md), if their border is nowhere wider than
 /// `diameter_mm` > 0. The surface was taken from `part`; a hole stays open if the part extends more than 0.5 mm out of
 /// it. The surface still passes usable() afterwards. Cost: O(n log n), and O(b³) for each hole of b border edges.
 BridgeReport bridge_holes(Mesh& surface, const Mesh& part, double diameter_mm);

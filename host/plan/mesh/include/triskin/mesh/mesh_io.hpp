@@ -53,7 +53,7 @@ struct MeshFile {
 /// `o` and `g` of OBJ, `solid` of a text STL, nodes and meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the
 /// file if it is no mesh (saying what it is), empty, cut, damaged or without a face; for coordinates that are not
 /// finite or beyond ±1e10 mm; for sizes that cannot be a body part (under 20 mm, with the units that fit; over 5 m),
-/// or over 3 m if nobody stated the unit; and for an object that does not exist, naming those that do. Cost: O(n log
+/// or over 1.5 m unless --unit answers; and for an object that does not exist, naming those that do. Cost: O(n log
 /// n). Thread-safe. A library reads DAE in a child process, and a crash of it is an InputError. For STEP and IGES files
 /// (docs/cad.md) the mesh has the faces chosen by `faces`, `object` is a body, and corners of different bodies are not
 /// welded; choosing faces in a file of another format is an InputError.

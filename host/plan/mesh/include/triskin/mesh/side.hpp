@@ -82,7 +82,7 @@ struct SideChoice {
   }
 };
 
-/// Tells the outer side of a part from its inner one (docs/side.md). The mesh is a manifold, oriented with the material
+/// Tells the outer side of a part from its inner one (docs/mesh.md). The mesh is a manifold, oriented with the material
 /// behind each face, as extract() leaves it. A surface without a wall is returned as one side. Deterministic. Errors:
 /// InputError for options out of range. Cost: one ray per face and about 400,000 more, O(n log n); 1 s of processor
 /// time for 100,000 faces, 250 bytes per face. Thread-safe.
@@ -103,7 +103,7 @@ struct TakenSide {
 /// undecided, or whole if there is no wall.
 [[nodiscard]] std::string side_name(const TakenSide& taken);
 
-/// Takes one side of a part (docs/side.md) and drops components smaller than a module. Errors: as find_sides();
+/// Takes one side of a part (docs/mesh.md) and drops components smaller than a module. Errors: as find_sides();
 /// InputError naming the remedy when no surface as large as a module remains. Cost: find_sides().
 [[nodiscard]] TakenSide take_side(const Mesh& part, const SideOptions& options = {});
 

@@ -6,7 +6,7 @@
 
 #include "triskin/design/patch.hpp"
 
-/// These effects of the surroundings act on the pads and chips; each has its own source file (docs/effects.md). An
+/// These effects of the surroundings act on the pads and chips; each has its own source file (docs/simulation.md). An
 /// effect that the scene does not name costs no time.
 namespace triskin::hardware {
 

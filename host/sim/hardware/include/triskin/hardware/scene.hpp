@@ -132,7 +132,7 @@ struct Effects {
   std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
   std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
   double chain_bit_error_rate = 0.0;    ///< It is the probability that a bit on the route chain flips in one module.
-  PadEffects pads{};                    ///< The effects act on the pads (docs/effects.md).
+  PadEffects pads{};                    ///< The effects act on the pads (docs/simulation.md).
   std::vector<double> clock_ppm{};      ///< Each controller's clock runs faster by this; it is indexed by patch.
 };
 
