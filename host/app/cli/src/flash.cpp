@@ -209,7 +209,7 @@ void add_board_file(Options& options, const robot::Site& site) {
 std::optional<deploy::FirmwarePackage> package_of(const Options& options) {
   if (options.firmware.file.empty()) return std::nullopt;
   if (link::is_usb(options.site.link.link))
-    throw InputError("--firmware goes over CAN; over USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/connect.md)");
+    throw InputError("--firmware goes over CAN; by USB: dfu-util -d 1209:0001,1209:0002 -D FILE -R (docs/connect.md)");
   deploy::FirmwarePackage package = deploy::read_firmware(options.firmware.file);
   deploy::require_fit(package, options.firmware.update.hardware);  // before tables are written
   return package;

@@ -21,7 +21,7 @@ struct ModuleCounts {
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
-/// The controller of another patch read this module for a time (docs/switched_module.md). The module also has an account of
+/// The controller of another patch read this module for a time (switched_module.md). The module also has an account of
 /// its own controller in StreamReport::modules.
 struct AdoptedCounts {
   layout::ModuleId module = layout::ModuleId::none();  ///< −1 means that the design has no module there.
