@@ -124,8 +124,8 @@ TEST(TablePass, fresh_boards_look_at_their_patches_at_the_same_time) {
   EXPECT_LT(seconds[1], 0.6 * seconds[0]);
 }
 
-// One board is dead, one loses power in its flash, one has version 0.1, and each loses 1 % of the frames: the others
-// get their tables, and the two are named.
+// One board is dead, one loses power in its flash, the image of one has no label, and each loses 1 % of the frames: the
+// others get their tables, and the two are named.
 TEST(TablePass, losses_a_dead_board_a_cut_supply_and_an_old_firmware) {
   constexpr std::size_t kDead = 3, kCut = 6, kOld = 10;
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs sixteen boards on one bus: some of them the image in the machine, from either slot, the others the same
-// application on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, one has version 0.1.
+// application on virtual ports. Each loses 1 % of the frames; one is dead, one loses its power, the image of one has no
+// label.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -285,7 +285,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     ++usb_session_;
     usb_.emplace(board_.unique_id);
     receiver_.reset();
-    // An image without a label is of version 0.1, which only its loader can update.
+    // An image without a label is one of somebody else, which only the loader can replace.
     if (const auto label = running_label()) {
       receiver_.emplace(timed_slots_, static_cast<fw::Restart&>(*this),
                         boot::ImageReceiver::Self{board_.unique_id, running_slot_, label->firmware_version});

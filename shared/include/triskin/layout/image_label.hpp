@@ -36,7 +36,7 @@ struct ImageLabel {
   return bytes;
 }
 
-/// Reads the label of an image. Errors: kTooShort, kBadMagic (images of version 0.1 have no label), kBadVersion.
+/// Reads the label of an image. Errors: kTooShort, kBadMagic (no label), kBadVersion.
 [[nodiscard]] constexpr Result<ImageLabel> decode_label(Bytes image) {
   if (image.size() < kLabelOffset + kLabelBytes) return std::unexpected(Status::kTooShort);
   const Bytes bytes = image.subspan(kLabelOffset, kLabelBytes);

@@ -34,7 +34,7 @@ struct GenerateOptions {
 };
 
 /// Makes the triangle mesh of a cover, in mm. kForearm … kThigh are oriented manifolds without self-intersection,
-/// normals outwards (those of kForearm inwards, as in release 0.1); kDirtyShell has the faults of CAD exports (two
+/// normals outwards (those of kForearm inwards); kDirtyShell has the faults of CAD exports (two
 /// walls, ribs, loose parts, duplicate, flipped and degenerate faces, T-junctions, unshared vertices) and needs
 /// extract(); kNearDegenerate is the surface of kHip cut into needles, slivers and edges from 2e-6 mm on, and a
 /// manifold once read_mesh() has welded it. Equal options give equal meshes. Throws InputError naming an option out of
