@@ -98,5 +98,37 @@ TEST(WeightRegions, are_read_from_a_file) {
   std::filesystem::remove(file);
 }
 
+TEST(WeightMap, errors_of_a_file_name_the_path) {
+  const auto file = std::filesystem::temp_directory_path() / ("weight_map." + std::to_string(::getpid()) + ".json");
+  const auto message = [&](const std::string& text) -> std::string {
+    std::ofstream(file) << text;
+    try {
+      (void)read_weight_map(file);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  const std::string mesh = R"({"step_mm": 5, "vertices": [[0, 0, 1], [90, 0, -2], [0, 90, 1]], "faces": )";
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"step_mm": 5, "origin_mm": [0, 0], "rows": [[1, "a"]]})", "/rows/0/1: must be a number"},
+           {R"({"step_mm": 5, "origin_mm": [0, 0], "rows": [[1]], "row": 1})", "/row: unknown key"},
+           {R"({"step_mm": 5, "elsewhere": 1, "regions": [{"weight": 2, "outline_mm": [], "wieght": 1}]})",
+            "/wieght: unknown"},
+           {mesh + "[[0, 1, 3]]}", "/faces/0/2: must be in 0 … 2"},
+           {mesh + "[[0, 1.5, 2]]}", "/faces/0/1: must be an integer"},
+           {mesh + "[[0, 1, 2]]}", "vertex 1: -2 must be in 0 … 1e12"},
+           {mesh.substr(0, mesh.rfind(',')) + "}", "\"faces\" is missing"},
+           {"[1]", "not a map of weights"}}) {
+    EXPECT_THAT(message(text), testing::AllOf(testing::HasSubstr(file.string()), testing::HasSubstr(words))) << text;
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(WeightMap, weights_too_small_to_compare_count_as_0) {
+  EXPECT_EQ(WeightMap({0, 0}, 10, {{5e-324, 1e-301}}).most(), 0.0);
+  EXPECT_EQ(WeightMap({0, 0}, 10, {{1e-300, 0}}).most(), 1e-300);
+}
+
 }  // namespace
 }  // namespace triskin::placement

@@ -2,13 +2,15 @@
 #include "triskin/placement/weight_map.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "triskin/base/error.hpp"
-#include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/geometry/segment.hpp"
@@ -19,6 +21,13 @@ namespace {
 
 // The map is constant in squares farther outside the raster than these.
 constexpr int kFirstSquare = -3, kLastSquare = 2;
+// The search compares sums to 1e-5 of their bound. Of smaller weights that would be a denormal number, which has hardly
+// a digit.
+constexpr double kLeastWeight = 1e-300;
+
+bool is_weight(double w) {
+  return w >= 0.0 && w <= 1e12;
+}
 
 // Evaluates the four cubic B-splines over one interval, 0 ≤ t < 1, and their slopes.
 std::array<double, 4> splines(double t) {
@@ -68,14 +77,16 @@ WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vec
         throw InputError(fmt::format("weights: face {}: there is no vertex {}", f, v));
       triangle[k] = vertices[static_cast<std::size_t>(v)];
       if (!triangle[k].at_mm.allFinite()) throw InputError(fmt::format("weights: vertex {} is not finite", v));
+      if (!is_weight(triangle[k].weight))
+        throw InputError(fmt::format("weights: vertex {}: {} must be in 0 … 1e12", v, triangle[k].weight));
       low = low.cwiseMin(triangle[k].at_mm);
       high = high.cwiseMax(triangle[k].at_mm);
     }
     triangles.push_back(triangle);
   }
   const Vec2 count = ((high - low) / step_mm).array().ceil() + 1.0;
-  if (count.prod() > kMaxPoints)
-    throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step",
+  if (!(count.prod() <= kMaxPoints))
+    throw InputError(fmt::format("weights: a step of {} mm gives {:.2g} points, more than {:.0g}; take a longer step",
                                  step_mm, count.prod(), kMaxPoints));
   std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()),
                                           std::vector<double>(static_cast<std::size_t>(count.x())));
@@ -107,7 +118,7 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
       throw InputError(
           fmt::format("weights: row {} has {} values, row 0 has {}", r, values[r].size(), values[0].size()));
     for (std::size_t c = 0; c < values[r].size(); ++c) {
-      if (!(values[r][c] >= 0.0 && values[r][c] <= 1e12))
+      if (!is_weight(values[r][c]))
         throw InputError(fmt::format("weights: row {}, column {}: {} must be in 0 … 1e12", r, c, values[r][c]));
     }
   }
@@ -117,6 +128,7 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
     for (int c = -kRim; c <= columns_ + kRim; ++c)
       control_.push_back(row[static_cast<std::size_t>(std::clamp(c, 0, columns_ - 1))]);
   }
+  for (double& w : control_) w = w < kLeastWeight ? 0.0 : w;
   most_ = std::ranges::max(control_);
   // A spline's slopes are averages of first differences of its control values.
   double dx = 0.0, dy = 0.0;
@@ -173,46 +185,89 @@ WeightMap::Jet WeightMap::at(const Vec2& p_mm) const {
 
 namespace {
 
-WeightRegions regions_of(const nlohmann::json& json) {
-  WeightRegions wanted;
-  wanted.elsewhere = json.at("elsewhere").get<double>();
-  wanted.module_weight = json.value("module_weight", 0.0);
-  wanted.step_mm = json.at("step_mm").get<double>();
-  for (const auto& region : json.at("regions")) {
-    WeightRegions::Region r;
-    r.weight = region.at("weight").get<double>();
-    for (const auto& p : region.at("outline_mm").get<std::vector<std::array<double, 2>>>())
-      r.outline_mm.emplace_back(p[0], p[1]);
-    wanted.regions.push_back(std::move(r));
+// An unknown key would leave a weight as if it had not been written.
+void require_keys(const design::JsonValue& object, const std::vector<std::string_view>& known) {
+  for (const auto& [key, value] : object.raw().items()) {
+    if (std::ranges::find(known, key) == known.end())
+      object.fail_at_key(key, fmt::format("unknown key; there can be {}", fmt::join(known, ", ")));
   }
-  return wanted;
+}
+
+// The errors of the maps know no file.
+WeightMap made(const std::filesystem::path& file, const auto& make) {
+  try {
+    return make();
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{}: {}", file.string(), e.what()));
+  }
+}
+
+Vec2 point_of(const design::JsonValue& point) {
+  point.require_size(2);
+  return {point.at(0).number(), point.at(1).number()};
+}
+
+WeightMap map_of_regions(const design::JsonValue& json, const std::filesystem::path& file) {
+  require_keys(json, {"step_mm", "elsewhere", "module_weight", "regions"});
+  WeightRegions wanted;
+  wanted.elsewhere = json["elsewhere"].number();
+  if (has(json, "module_weight")) wanted.module_weight = json["module_weight"].number();
+  wanted.step_mm = json["step_mm"].number();
+  const design::JsonValue regions = json["regions"];
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    const design::JsonValue region = regions.at(k);
+    const design::JsonValue outline = region["outline_mm"];
+    WeightRegions::Region& r = wanted.regions.emplace_back();
+    r.weight = region["weight"].number();
+    require_keys(region, {"weight", "outline_mm"});
+    for (std::size_t p = 0; p < outline.size(); ++p) r.outline_mm.push_back(point_of(outline.at(p)));
+  }
+  return made(file, [&] { return weight_map_of(wanted); });
+}
+
+WeightMap map_of_mesh(const design::JsonValue& json, const std::filesystem::path& file) {
+  require_keys(json, {"step_mm", "vertices", "faces"});
+  const design::JsonValue vertices = json["vertices"], faces = json["faces"];
+  std::vector<WeightMap::Vertex> points;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const design::JsonValue v = vertices.at(k);
+    v.require_size(3);
+    points.push_back({{v.at(0).number(), v.at(1).number()}, v.at(2).number()});
+  }
+  std::vector<std::array<int, 3>> corners;
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const design::JsonValue f = faces.at(k);
+    f.require_size(3);
+    const int last = static_cast<int>(points.size()) - 1;
+    corners.push_back({f.at(0).integer(0, last), f.at(1).integer(0, last), f.at(2).integer(0, last)});
+  }
+  const double step_mm = json["step_mm"].number();
+  return made(file, [&] { return WeightMap::of_mesh(points, corners, step_mm); });
+}
+
+WeightMap map_of_raster(const design::JsonValue& json, const std::filesystem::path& file) {
+  require_keys(json, {"step_mm", "origin_mm", "rows"});
+  const design::JsonValue rows = json["rows"];
+  std::vector<std::vector<double>> values(rows.size());
+  for (std::size_t r = 0; r < values.size(); ++r) {
+    const design::JsonValue row = rows.at(r);
+    for (std::size_t c = 0; c < row.size(); ++c) values[r].push_back(row.at(c).number());
+  }
+  const Vec2 origin_mm = point_of(json["origin_mm"]);
+  const double step_mm = json["step_mm"].number();
+  return made(file, [&] { return WeightMap(origin_mm, step_mm, values); });
 }
 
 }  // namespace
 
 WeightMap read_weight_map(const std::filesystem::path& file) {
-  const auto json = design::parse_json(read_text(file), file.string());
-  try {
-    if (json.contains("regions")) return weight_map_of(regions_of(json));
-    if (json.contains("vertices")) {
-      std::vector<WeightMap::Vertex> vertices;
-      for (const auto& v : json["vertices"].get<std::vector<std::array<double, 3>>>())
-        vertices.push_back({{v[0], v[1]}, v[2]});
-      return WeightMap::of_mesh(vertices, json.at("faces").get<std::vector<std::array<int, 3>>>(),
-                                json.at("step_mm").get<double>());
-    }
-    const auto origin = json.at("origin_mm").get<std::array<double, 2>>();
-    return {Vec2(origin[0], origin[1]), json.at("step_mm").get<double>(),
-            json.at("rows").get<std::vector<std::vector<double>>>()};
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(fmt::format(
-        "{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
-        "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …], or \"regions\": [{{\"weight\": w, "
-        "\"outline_mm\": [[x, y], …]}}, …], \"elsewhere\": w",
-        file.string(), json_cause(e.what())));
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("{}: {}", file.string(), e.what()));
-  }
+  const auto text = design::parse_json(read_text(file), file.string());
+  const design::JsonValue json(text, file.string());
+  const bool is_regions = has(json, "regions"), is_mesh = has(json, "vertices");
+  if (!is_regions && !is_mesh && !has(json, "rows"))
+    json.fail(
+        "not a map of weights, which has \"rows\", or \"vertices\" and \"faces\", or \"regions\" (docs/placement.md)");
+  return is_regions ? map_of_regions(json, file) : is_mesh ? map_of_mesh(json, file) : map_of_raster(json, file);
 }
 
 }  // namespace triskin::placement

@@ -68,7 +68,7 @@ WeightMap weight_map_of(const WeightRegions& w) {
   high += Vec2::Constant(kRim * w.step_mm);
   const Vec2 count = ((high - low) / w.step_mm).array().ceil() + 1.0;
   if (!(count.prod() <= kMaxPoints))
-    throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step",
+    throw InputError(fmt::format("weights: a step of {} mm gives {:.2g} points, more than {:.0g}; take a longer step",
                                  w.step_mm, count.prod(), kMaxPoints));
   std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()));
   for (std::size_t r = 0; r < values.size(); ++r) {

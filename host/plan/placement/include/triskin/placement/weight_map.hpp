@@ -13,8 +13,9 @@ namespace triskin::placement {
 /// slopes. Outside the raster its rim continues. Immutable, so any number of threads may read it.
 class WeightMap {
  public:
-  /// values[row][column], 0 … 1e12, belongs to origin + step·(column, row), mm in the frame of the polygon. Errors:
-  /// InputError for rows of different lengths, values out of range, a step that is not positive, no values.
+  /// values[row][column], 0 … 1e12, belongs to origin + step·(column, row), mm in the frame of the polygon; below
+  /// 1e-300 a value counts as 0. Errors: InputError for rows of different lengths, values out of range, a step that is
+  /// not positive, no values.
   WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<std::vector<double>>& values);
 
   /// A vertex of of_mesh(): place on the polygon and weight, 0 … 1e12.
@@ -67,8 +68,8 @@ class WeightMap {
 
 /// Reads {"origin_mm": [x, y], "step_mm": s, "rows": [[…], …]}, rows upwards, or {"step_mm": s, "vertices": [[x, y,
 /// weight], …], "faces": [[a,b,c], …]}, or {"step_mm": s, "elsewhere": w, "module_weight":w, "regions": [{"weight":
-/// w, "outline_mm": [[x, y], …]}, …]} (weight_regions.hpp; module_weight: optional). Errors: InputError with file
-/// and cause when it cannot be read, or as of the constructors.
+/// w, "outline_mm": [[x, y], …]}, …]} (weight_regions.hpp; module_weight: optional). Errors: InputError with file,
+/// path and cause when it cannot be read or has another key, or as of the constructors.
 [[nodiscard]] WeightMap read_weight_map(const std::filesystem::path& file);
 
 }  // namespace triskin::placement
