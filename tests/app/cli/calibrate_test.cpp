@@ -24,8 +24,10 @@ class Calibrated : public test::ShellCase {
     write_scene("");
     ASSERT_EQ(run("flash strip.json --link sim --scene scene.json").status, 0);
   }
+  // The bounds of the test are those of this noise alone.
   void write_scene(const std::string& more) const {
-    std::ofstream(folder_ / "scene.json") << R"({"format":"triskin-scene","version":1,"design":"strip.json","seed":5)" +
+    std::ofstream(folder_ / "scene.json") << R"({"format":"triskin-scene","version":1,"design":"strip.json","seed":5,)"
+                                             R"("converters":"ideal")" +
                                                  more + R"(,"effects":{"sensitivity_spread":0.3,"noise_counts":2}})";
   }
   [[nodiscard]] json last_of(const std::string& arguments) const {

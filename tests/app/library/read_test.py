@@ -16,6 +16,7 @@ import triskin
 program, design, scene = sys.argv[1:4]
 # The scene presses module 5, taxel 3 with 1 N and 3 mm: 3F/(2πr²), 10 counts/kPa (docs/scene.md).
 MIDDLE_COUNTS = 3.0 / (2.0 * math.pi * 9e-6) * 1e-3 * 10.0
+PRESSED_COUNTS = 20  # docs/stream.md; noise is less
 
 
 def serve():
@@ -46,7 +47,7 @@ def stream(skin):
             break
     samples = np.concatenate(samples)
     at_rest = skin.change_counts()
-    assert at_rest[2].max() == 0.0
+    assert at_rest[2].max() < PRESSED_COUNTS, at_rest[2]  # the converters have noise
     assert abs(at_rest[5, 3] - MIDDLE_COUNTS) < 0.02 * MIDDLE_COUNTS, at_rest[5]
     assert at_rest.argmax() == 5 * 12 + 3
     for module in range(8):

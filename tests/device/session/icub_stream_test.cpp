@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <deque>
 #include <map>
 
 #include "support/device_fixture.hpp"
+#include "triskin/session/patch_offsets.hpp"
 
 namespace triskin::session {
 
@@ -17,6 +19,7 @@ namespace {
 TEST(IcubStream, reads_our_controllers_as_skin_boards) {
   Fixture fixture(20);
   fixture.flash();
+  wait_for_set_up(fixture.bus());
   std::map<std::pair<int, int>, wire::IcubTaxels> rest, pressed;
   auto* to = &rest;
   {
@@ -33,10 +36,16 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
     EXPECT_EQ(stream.lost(), 0U);
     EXPECT_GE(stream.frames(), 32U * 12);  // Places without a module have frames, too.
   }
-  int changed = 0;
-  for (std::size_t t = 0; t < 12; ++t) changed += (pressed[{2, 1}].value[t] != rest[{2, 1}].value[t]) ? 1 : 0;
-  EXPECT_GE(changed, 8);
-  EXPECT_EQ((pressed[{1, 3}].value), (rest[{1, 3}].value));
+  // Twice the data sheet's 3 counts peak to peak and slow noise of 2 · 2 counts are less than three steps of 4 counts.
+  constexpr int kNoise = 3;
+  const auto changed = [&](int board, int module) {
+    int taxels = 0;
+    for (std::size_t t = 0; t < 12; ++t)
+      taxels += std::abs(pressed[{board, module}].value[t] - rest[{board, module}].value[t]) > kNoise ? 1 : 0;
+    return taxels;
+  };
+  EXPECT_GE(changed(2, 1), 8);
+  EXPECT_EQ(changed(1, 3), 0);
 }
 
 // Acts as a board of the iCub, written down from its documentation: answers the discovery and sends what it was told to

@@ -63,8 +63,10 @@ std::uint64_t most_exchanged(const std::vector<SentFrame>& order, const std::vec
   return most_us;
 }
 
-// Frames with one identifier must be equal but for their two times, and a controller must keep the order of its frames.
-void compare(const std::vector<SentFrame>& firmware, const std::vector<SentFrame>& table, Difference& found) {
+// Frames with one identifier must be equal but for their two times. A controller must keep the order of its frames
+// while no chip falls silent, which the firmware sees at the beginning of a reading and the table at its end.
+void compare(const std::vector<SentFrame>& firmware, const std::vector<SentFrame>& table, Difference& found,
+             bool chips_fall_silent = false) {
   ASSERT_EQ(firmware.size(), table.size());
   for (std::size_t k = 0; k < firmware.size(); ++k) found.exchanged += firmware[k].frame.id != table[k].frame.id;
   const ById a = by_id(firmware), b = by_id(table);
@@ -86,7 +88,7 @@ void compare(const std::vector<SentFrame>& firmware, const std::vector<SentFrame
       ASSERT_TRUE(*x == *y) << fmt::format("module {}, sample {} and {}", x->module, x->sample, y->sample);
     }
   }
-  EXPECT_EQ(orders(firmware), orders(table));
+  if (!chips_fall_silent) EXPECT_EQ(orders(firmware), orders(table));
   found.most_exchanged_us = std::max(most_exchanged(firmware, table), most_exchanged(table, firmware));
 }
 
@@ -95,21 +97,21 @@ class Levels : public testing::TestWithParam<std::string> {};
 TEST_P(Levels, send_equal_frames) {
   hardware::Scene scene = hardware::read_scene(scene_folder() / (GetParam() + ".json"));
   // The firmware restarts a sequence when three chips of a line drift towards each other; the table does not.
-  scene.effects.converters = {};
+  scene.effects.converters.drawn = false;
   Difference found;
-  compare(frames_of(scene, 12.0), frames_of(by_table(scene), 12.0), found);
+  const bool brown_out = scene.effects.pads.supply.has_value();
+  compare(frames_of(scene, 12.0), frames_of(by_table(scene), 12.0), found, brown_out);
   fmt::print("{}: {} samples, device times differ by at most {} us, arrivals by {} us, {} exchanged over {} us\n",
              GetParam(), found.samples, found.most_device_us, found.most_arrival_us, found.exchanged,
              found.most_exchanged_us);
   EXPECT_GT(found.samples, 5000U);
   // The firmware refines its estimates of the chips' clocks to 34 us, the table continues the last one.
   EXPECT_LE(found.most_device_us, 40U);
-  // The firmware sees at the beginning of a reading that a chip has fallen silent, the table at its end.
-  EXPECT_LE(found.most_arrival_us, scene.effects.pads.supply.has_value() ? 300U : 100U);
+  EXPECT_LE(found.most_arrival_us, brown_out ? 300U : 100U);
   // Equal chips of two controllers that are powered together end their sequences together. How many of their frames
   // change places depends on the phases that the set-up of the chips leaves; frames farther apart than the estimates
   // above must keep their order.
-  EXPECT_LE(found.most_exchanged_us, 40U);
+  EXPECT_LE(found.most_exchanged_us, brown_out ? 300U : 40U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Levels, testing::ValuesIn(ready_scenes()));
@@ -118,6 +120,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Levels, testing::ValuesIn(ready_scenes()));
 TEST(TableLevel, takes_over_and_wakes_the_firmware_for_a_request) {
   hardware::Scene scene;
   scene.design = strip(6);
+  scene.effects.converters.drawn = false;
   scene.levels = {hardware::ControllerLevel::kTable};
   const auto transferred = [](scenario::RunningSkin& skin) {
     return skin.hardware().skin().line(layout::PatchIndex{0}, 0).bytes();
@@ -141,6 +144,7 @@ TEST(TableLevel, takes_over_and_wakes_the_firmware_for_a_request) {
 TEST(TableLevel, sends_equal_frames_on_a_limited_bus) {
   hardware::Scene scene;
   scene.design = strip(48);
+  scene.effects.converters.drawn = false;
   scene.effects.noise_counts = 3.0;
   scene.effects.bus_bit_rate = 1'000'000;
   scene.effects.bus_data_bit_rate = 2'000'000;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <random>
@@ -13,6 +15,7 @@
 #include "triskin/hardware/converters.hpp"
 #include "triskin/hardware/flash_memory.hpp"
 #include "triskin/hardware/i2c_line.hpp"
+#include "triskin/hardware/scene.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/sim/virtual_controller.hpp"
 #include "triskin/wire/iso_tp.hpp"
@@ -28,6 +31,9 @@ enum class PatchFault { kNone, kDoubledAddress, kDeadChip, kOpenLine, kStuckTaxe
 inline constexpr std::array<const char*, 6> kPatchFaultNames{"none",      "doubled address", "dead chip",
                                                              "open line", "stuck taxel",     "shorted taxel"};
 
+/// Changes each drawn chip, to see what is borne beyond the ranges.
+using ChipChange = std::function<void(hardware::Ad7147Behaviour&)>;
+
 /// What became of the modules of one patch after five seconds.
 struct PatchResult {
   std::string description;       ///< what was drawn, and which modules are not as they should be
@@ -41,8 +47,8 @@ class CampaignPatch {
   /// A frozen taxel is called so only after the others of its chip have changed often.
   static constexpr std::uint64_t kFrozen_us = 60'000'000;
 
-  CampaignPatch(std::uint32_t seed, PatchFault fault) : fault_(fault), random_(seed) {
-    draw_chips(seed);
+  CampaignPatch(std::uint32_t seed, PatchFault fault, const ChipChange& change = {}) : fault_(fault), random_(seed) {
+    draw_chips(seed, change);
     plant_fault();
     start(seed);
   }
@@ -88,23 +94,27 @@ class CampaignPatch {
   double in(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   int below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
 
-  // The electrodes of one kind of board resemble each other, or they are any.
-  void draw_chips(std::uint32_t seed) {
-    const hardware::Converters converters{.drawn = true};
-    constexpr double kLow_pf = 2.0, kHigh_pf = 16.0;
-    const bool alike = below(2) == 0;
-    const double unlike_pf = in(0.25, 1.0);
+  // The electrodes of one kind of board resemble each other, as those of our own board do, or they are any.
+  void draw_chips(std::uint32_t seed, const ChipChange& change) {
+    const hardware::Converters converters;
+    const double low_pf = hardware::Effects{}.electrode_least_pf, high_pf = hardware::Effects{}.electrode_most_pf;
+    constexpr double kOwnBoard_pf = 4.0;  // docs/silicon.md, without a plane under the pads
+    const int kind = below(3);
+    const double unlike_pf = in(0.1, 1.0);
     std::array<double, layout::kTaxelsPerModule> board_pf{};
-    for (double& pf : board_pf) pf = in(kLow_pf + 1.0, kHigh_pf - 1.0);
+    for (double& pf : board_pf) pf = in(low_pf, kind == 0 ? kOwnBoard_pf : high_pf);
     for (int m = 0; m < layout::kMaxModules; ++m) {
       Module& module = modules_[static_cast<std::size_t>(m)];
       for (std::size_t t = 0; t < board_pf.size(); ++t) {
-        const double pf = alike ? board_pf[t] + in(-unlike_pf, unlike_pf) : in(kLow_pf, kHigh_pf);
+        const double pf =
+            kind < 2 ? std::clamp(board_pf[t] + in(-unlike_pf, unlike_pf), low_pf, high_pf) : in(low_pf, high_pf);
         module.electrodes.rest[t] = pf * hardware::kCountsPerPf;
       }
       const std::uint64_t serial = std::uint64_t{seed} * layout::kMaxModules + static_cast<std::uint64_t>(m) + 1;
       module.chip = std::make_unique<hardware::Ad7147>(module.electrodes);
-      module.chip->set_behaviour(converters.of(serial));
+      hardware::Ad7147Behaviour behaviour = converters.of(serial);
+      if (change) change(behaviour);
+      module.chip->set_behaviour(behaviour);
       module.chip->set_noise(serial);
       module.line = m / layout::kAddressesPerLine;
       module.address = m % layout::kAddressesPerLine;
@@ -256,13 +266,14 @@ struct CampaignCounts {
 };
 
 /// Runs `patches` patches of each kind with the seeds `first_seed` …
-inline std::map<PatchFault, CampaignCounts> run_campaign(int patches, std::uint32_t first_seed) {
+inline std::map<PatchFault, CampaignCounts> run_campaign(int patches, std::uint32_t first_seed,
+                                                         const ChipChange& change = {}) {
   std::map<PatchFault, CampaignCounts> counts;
   std::uint32_t seed = first_seed;
   for (int kind = 0; kind < static_cast<int>(kPatchFaultNames.size()); ++kind) {
     CampaignCounts& c = counts[static_cast<PatchFault>(kind)];
     for (int k = 0; k < patches; ++k, ++seed) {
-      const PatchResult r = CampaignPatch(seed, static_cast<PatchFault>(kind)).run();
+      const PatchResult r = CampaignPatch(seed, static_cast<PatchFault>(kind), change).run();
       ++c.patches;
       c.healthy += r.healthy;
       c.refused += r.refused;

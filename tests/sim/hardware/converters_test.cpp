@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "converter_properties.hpp"
 
@@ -69,6 +70,44 @@ TEST(Converters, EachPropertyChangesTheResultAsItSays) {
   EXPECT_EQ(converted({.zero_counts = -20}, kNegative, 0), 0x8000 - 2000 - 20);
   EXPECT_EQ(converted({.neg_extra_counts = 200}, kNegative, 0), 0x8000 - 2000 - 200);
   EXPECT_EQ(converted({.neg_extra_counts = 200}, kPositive, 0), 0x8000 + 2000);
+  // A gain acts on what is left of the electrode: 2,000 − 3,000 at the positive input, 3,000 − 2,000 at the other one.
+  EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kNegative, 3), 0x8000 + 1020);
+  EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kPositive, 3), 0x8000 - 1000);
+  // 2,000 of 32,768 counts above the middle are 0.061 of the way: 0.00373 of 5,000 counts are 18.6, at either input.
+  EXPECT_EQ(converted({.curve_counts = 5000}, kPositive, 0), 0x8000 + 2000 + 19);
+  EXPECT_EQ(converted({.curve_counts = 5000}, kNegative, 0), 0x8000 - 2000 + 19);
+}
+
+// A spread of 0.1 changes 2,000 counts by up to 200, at each input by something else.
+TEST(Converters, EachStageMayHaveAGainOfItsOwnAtEachInput) {
+  const Ad7147Behaviour behaviour{.stage_gain_spread = 0.1, .serial = 5};
+  const int positive = converted(behaviour, true, 0) - 0x8000, negative = 0x8000 - converted(behaviour, false, 0);
+  EXPECT_NE(positive, 2000);
+  EXPECT_NE(positive, negative);
+  for (const int counts : {positive, negative}) EXPECT_NEAR(counts, 2000, 200);
+}
+
+// Tracks of a line with 1,000 counts to the pad, four lines that are busy for 30 % of the time: of the 3 · 256 samples
+// of a result each sees one of either sign, so it deviates by 1,000 · √(1.2 / 768) = 39.5 counts; at decimation 64 by
+// twice as much. The deviation of 4,000 results is known to 3 · 1 / √(2 · 4,000) = 3.4 %.
+TEST(Converters, ABusUnderThePadsIsNoiseThatFallsWithTheDecimation) {
+  for (const auto& [decimation, sequence_us, expected] :
+       {std::tuple{0U, 36'900U, 39.5}, {1U, 18'400U, 55.9}, {2U, 9'200U, 79.1}}) {
+    const Source source;
+    Ad7147 chip(source);
+    chip.set_behaviour({.bus_coupling_counts = 1000.0, .serial = 11});
+    chip.write_register(0x080 + 8 * 2, 2 << 4, 0);
+    chip.write_register(0x000, static_cast<std::uint16_t>(0x00B0 | decimation << 8), 0);
+    chip.write_register(0x002, 0x8000, 0);
+    constexpr int kResults = 4000;
+    double squares = 0.0;
+    for (int k = 1; k <= kResults; ++k) {
+      const double error =
+          chip.read_register(0x00D, std::uint64_t{sequence_us} * static_cast<unsigned>(k)) - (0x8000 + 2000.0);
+      squares += error * error;
+    }
+    EXPECT_NEAR(std::sqrt(squares / kResults), expected, 0.034 * expected) << "decimation field " << decimation;
+  }
 }
 
 // Stage 2 ends at a quarter of the sequence: 36,900 / 4 = 9,225 µs, and 8 % later at 9,963.

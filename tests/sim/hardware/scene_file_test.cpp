@@ -71,12 +71,12 @@ TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   EXPECT_DOUBLE_EQ(s.effects.electrode_most_pf, 6.5);
 }
 
-TEST_F(SceneFile, converters_are_ideal_unless_the_scene_draws_them) {
+TEST_F(SceneFile, converters_are_drawn_unless_the_scene_says_otherwise) {
   const auto chip = [&](const std::string& more, std::uint64_t serial) {
     return with(more).effects.converters.of(serial);
   };
-  EXPECT_FALSE(read_scene(folder_ / "d.json").effects.converters.drawn);
-  EXPECT_EQ(chip(R"("seed":1)", 1).zero_counts, 0.0);
+  EXPECT_TRUE(read_scene(folder_ / "d.json").effects.converters.drawn);
+  EXPECT_NE(chip(R"("seed":1)", 1).zero_counts, chip(R"("seed":1)", 2).zero_counts);
   EXPECT_NE(chip(R"("converters":"drawn")", 1).zero_counts, chip(R"("converters":"drawn")", 2).zero_counts);
   EXPECT_EQ(chip(R"("converters":"ideal")", 1).zero_counts, 0.0);
   const char* some = R"("converters":{"neg_step_ratio":0.99,"zero_counts":-20,"latched_at_end":true})";

@@ -57,7 +57,7 @@ TEST_F(RobotScenes, expectations_hold_on_all_parts) {
 }
 
 TEST_F(RobotScenes, an_expectation_that_fails_gives_status_1_and_names_the_part) {
-  scene(R"("contacts":[{"part":"forearm","module":4,"at_s":1,"radius_mm":12,"force_n":6}],
+  scene(R"("contacts":[{"part":"forearm","module":4,"at_s":1,"radius_mm":12,"force_n":6}],"converters":"ideal",
            "expect":[{"at_s":1.5,"part":"torso","module":4,"pressed":true}])");
   const Outcome checked = run("simulate s.json --check");
   EXPECT_EQ(checked.status, 1);

@@ -131,6 +131,9 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   const auto& seed = buses[0].skin->scene().board_seed;
   output.result["board_seed"] = seed ? nlohmann::json(*seed) : nlohmann::json(nullptr);
   if (seed) output.say(fmt::format("serial numbers drawn with --board-seed {}", *seed));
+  const hardware::Scene& scene = buses[0].skin->scene();
+  output.result["converters"] = scene.effects.converters.drawn ? "drawn" : "ideal";
+  if (scene.effects.converters.drawn) output.say(fmt::format("converters drawn with seed {} of the scene", scene.seed));
 }
 
 void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {

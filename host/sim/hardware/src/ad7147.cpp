@@ -24,7 +24,7 @@ constexpr int kMidScale = 0x8000;
 
 // What is drawn for a chip comes from streams that do not meet.
 constexpr std::uint64_t kPositiveDacStream = 0x100, kNegativeDacStream = 0x200, kPathStream = 0x300,
-                        kWanderStream = 0x400, kFirstStream = 0x1000;
+                        kWanderStream = 0x400, kGainStream = 0x500, kFirstStream = 0x1000;
 
 // The times are for 12 stages, indexed by the value of the decimation field.
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};
@@ -40,15 +40,28 @@ int connection(const std::uint16_t* stage, int pin) {
   return (stage[low ? 0 : 1] >> (2 * (low ? pin : pin - kPinsInLowRegister))) & 3;
 }
 
-}  // namespace
+constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;
 
-// Returns −1 … 1, another number for each pin, code or result of each chip (SplitMix64).
-double Ad7147::spread(std::uint64_t of) const {
-  std::uint64_t x = behaviour_.serial + of * 0x9E3779B97F4A7C15;
+// The finalizer of SplitMix64 (Steele, Lea, Flood 2014).
+std::uint64_t hashed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
-  x ^= x >> 31;
-  return static_cast<double>(x >> 11) * 0x1p-52 - 1.0;
+  return x ^ (x >> 31);
+}
+
+// The sum of four uniform numbers is close enough to a normal distribution of deviation 1.
+double near_normal(std::uint64_t seed) {
+  const std::uint64_t x = hashed(seed);
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) sum += static_cast<double>(x >> (16 * k) & 0xFFFF) / 65536.0 - 0.5;
+  return sum * std::sqrt(3.0);
+}
+
+}  // namespace
+
+// Returns −1 … 1, another number for each pin, code or result of each chip.
+double Ad7147::spread(std::uint64_t of) const {
+  return static_cast<double>(hashed(behaviour_.serial + of * kGolden) >> 11) * 0x1p-52 - 1.0;
 }
 
 Ad7147::Dac Ad7147::ideal_dac() {
@@ -70,13 +83,6 @@ void Ad7147::set_behaviour(const Ad7147Behaviour& behaviour) {
   };
   fill(positive_dac_, behaviour_.step_counts, behaviour_.step_bend, kPositiveDacStream);
   fill(negative_dac_, behaviour_.step_counts * behaviour_.neg_step_ratio, behaviour_.neg_step_bend, kNegativeDacStream);
-}
-
-// Each input has a six-bit code and its swap bit (bit 7 of the field); positive values add to the result.
-double Ad7147::afe_counts(std::uint16_t afe) const {
-  const double negative = negative_dac_[afe & 0x3F] * ((afe & 0x80) != 0 ? -1.0 : 1.0);
-  const double positive = positive_dac_[(afe >> 8) & 0x3F] * ((afe & 0x8000) != 0 ? -1.0 : 1.0);
-  return negative - positive;
 }
 
 void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us, std::uint64_t until_us) {
@@ -249,18 +255,23 @@ std::optional<sim::ChipReading> Ad7147::look(std::uint64_t now_us) const {
   return reading;
 }
 
-// Peak to peak is taken as 6.6 standard deviations. The sum of four uniform numbers is close enough to a normal
-// distribution.
+// Peak to peak is taken as 6.6 standard deviations.
 double Ad7147::noise(int stage, std::uint64_t number) const {
   if (noise_seed_ == 0) return 0.0;
   constexpr double kPeakToPeak[] = {3.0, 7.0, 12.0, 12.0};
-  std::uint64_t x = noise_seed_ ^ (number * 16 + static_cast<std::uint64_t>(stage));
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
-  x ^= x >> 31;
-  double sum = 0.0;
-  for (int k = 0; k < 4; ++k) sum += static_cast<double>(x >> (16 * k) & 0xFFFF) / 65536.0 - 0.5;
-  return behaviour_.noise * sum * std::sqrt(3.0) * kPeakToPeak[(setup_[kPwrControl] >> 8) & 3] / 6.6;
+  const double normal = near_normal(noise_seed_ ^ (number * 16 + static_cast<std::uint64_t>(stage)));
+  return behaviour_.noise * normal * kPeakToPeak[(setup_[kPwrControl] >> 8) & 3] / 6.6;
+}
+
+// A line that reads its chips once a sequence of 9.2 ms is busy for 30 % of the time (docs/measurements/firmware.md).
+// The samples of a result: three times the decimation, as the AD7142's data sheet says.
+double Ad7147::bus_noise(int stage, std::uint64_t number) const {
+  constexpr double kLines = 4.0, kBusy = 0.3;
+  constexpr double kSamples[] = {3 * 256.0, 3 * 128.0, 3 * 64.0, 3 * 64.0};
+  constexpr std::uint64_t kStream = 0xB05;
+  const double deviation = std::sqrt(kLines * kBusy / kSamples[(setup_[kPwrControl] >> 8) & 3]);
+  const std::uint64_t at = (restart_us_ * 4096 + number) * 16 + static_cast<std::uint64_t>(stage);
+  return behaviour_.bus_coupling_counts * deviation * near_normal((behaviour_.serial + kStream) * kGolden ^ at);
 }
 
 double Ad7147::path_counts(int pin, bool negative) const {
@@ -268,6 +279,13 @@ double Ad7147::path_counts(int pin, bool negative) const {
   if (behaviour_.path_spread_counts != 0.0)
     counts += behaviour_.path_spread_counts * spread(kPathStream + static_cast<unsigned>(pin) * 2 + (negative ? 1 : 0));
   return counts;
+}
+
+double Ad7147::gain(int stage, bool negative) const {
+  const double input = negative ? behaviour_.neg_gain_ratio : 1.0;
+  if (behaviour_.stage_gain_spread == 0.0) return input;
+  const double deviation = spread(kGainStream + static_cast<unsigned>(stage) * 2 + (negative ? 1 : 0));
+  return input * (1.0 + behaviour_.stage_gain_spread * deviation);
 }
 
 // A triangle of 4 s between −1 and 1, for each stage at another moment.
@@ -279,18 +297,24 @@ double Ad7147::wander(int stage, std::uint64_t at_us) const {
 
 std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
   const std::uint16_t* setup = &stage_[static_cast<std::size_t>(stage * kRegistersPerStage)];
-  double value = kMidScale;
+  // Each input has a six-bit offset and its swap bit (bit 7 of the field), which adds it.
+  const std::uint16_t afe = setup[2];
+  double positive = positive_dac_[(afe >> 8) & 0x3F] * ((afe & 0x8000) != 0 ? 1.0 : -1.0);
+  double negative = negative_dac_[afe & 0x3F] * ((afe & 0x80) != 0 ? 1.0 : -1.0);
   bool connected = false, stuck = false;
   for (int pin = 0; pin < kPins; ++pin) {
     const int to = connection(setup, pin);
     if (to != 1 && to != 2) continue;
     connected = true;
     stuck = stuck || source_->is_stuck(pin, conversion.at_us);
-    value += (to == 1 ? -1.0 : 1.0) * (source_->counts(pin, conversion.at_us) + path_counts(pin, to == 1));
+    (to == 1 ? negative : positive) += source_->counts(pin, conversion.at_us) + path_counts(pin, to == 1);
   }
   if (!connected) return kMidScale;
-  value += behaviour_.zero_counts + afe_counts(setup[2]);
+  const double counts = gain(stage, false) * positive - gain(stage, true) * negative;
+  const double of_range = std::clamp(counts / kMidScale, -1.0, 1.0);
+  double value = kMidScale + behaviour_.zero_counts + counts + behaviour_.curve_counts * of_range * of_range;
   if (!stuck) value += noise(stage, conversion.number);
+  if (behaviour_.bus_coupling_counts != 0.0 && !stuck) value += bus_noise(stage, conversion.number);
   if (behaviour_.wander_counts != 0.0 && !stuck) value += wander(stage, conversion.at_us);
   if (behaviour_.first_error_counts != 0.0 && conversion.number == 0 && !stuck)
     value +=

@@ -18,7 +18,7 @@ struct ConverterProperty {
 };
 
 /// Everything that the firmware relies on and no data sheet bounds to zero (docs/silicon.md shows the same list).
-inline constexpr std::array<ConverterProperty, 16> kConverterProperties{{
+inline constexpr std::array<ConverterProperty, 19> kConverterProperties{{
     {"step_counts", &Ad7147Behaviour::step_counts, nullptr, 900, 1'400, 500, 2'500,
      "970 by the flow3r badge's driver, 1,000 seen with the evaluation kit, 1,311 by the data sheet's 0.32 pF"},
     {"neg_step_ratio", &Ad7147Behaviour::neg_step_ratio, nullptr, 0.9, 1.1, 0.5, 2.0,
@@ -31,6 +31,12 @@ inline constexpr std::array<ConverterProperty, 16> kConverterProperties{{
     {"neg_extra_counts", &Ad7147Behaviour::neg_extra_counts, nullptr, 0, 400, -5'000, 5'000,
      "nobody knows; 98 fF, a few mm of track on a chip's lead frame"},
     {"path_spread_counts", &Ad7147Behaviour::path_spread_counts, nullptr, 0, 20, 0, 1'000, "nobody knows; 5 fF"},
+    {"neg_gain_ratio", &Ad7147Behaviour::neg_gain_ratio, nullptr, 0.98, 1.02, 0.5, 2.0,
+     "nobody knows; one converter serves both inputs"},
+    {"stage_gain_spread", &Ad7147Behaviour::stage_gain_spread, nullptr, 0.0, 0.002, 0.0, 0.5,
+     "nobody knows; one converter serves all stages"},
+    {"curve_counts", &Ad7147Behaviour::curve_counts, nullptr, -50, 50, -5'000, 5'000,
+     "nobody knows; 0.15 % of half the range"},
     {"noise", &Ad7147Behaviour::noise, nullptr, 0.5, 2.0, 0.0, 100.0,
      "of the data sheet's 12, 7, 3 counts peak to peak; typical values, limits unknown"},
     {"wander_counts", &Ad7147Behaviour::wander_counts, nullptr, 0.0, 2.0, 0.0, 100.0,

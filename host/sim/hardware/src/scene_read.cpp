@@ -49,7 +49,7 @@ std::uint64_t read_bit_rate(const JsonValue& v, int max) {
 Effects read_effects(const JsonValue& v) {
   only_scene_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "sensitivity_spread", "electrode_pf",
                       "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm", "layer", "temperature",
-                      "humidity", "crosstalk", "supply", "edges", "emi"});
+                      "humidity", "crosstalk", "supply", "edges", "emi", "bus_coupling_counts"});
   Effects e;
   e.pads = read_pad_effects(v);
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
@@ -57,6 +57,7 @@ Effects read_effects(const JsonValue& v) {
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
   if (has(v, "sensitivity_spread")) e.sensitivity_spread = number_in(v["sensitivity_spread"], 0.0, 0.9);
+  if (has(v, "bus_coupling_counts")) e.bus_coupling_counts = number_in(v["bus_coupling_counts"], 0.0, 1e4);
   if (has(v, "electrode_pf")) read_electrodes(v["electrode_pf"], e);
   if (has(v, "bus_bit_rate")) e.bus_bit_rate = read_bit_rate(v["bus_bit_rate"], 1'000'000);
   if (has(v, "bus_data_bit_rate")) e.bus_data_bit_rate = read_bit_rate(v["bus_data_bit_rate"], 8'000'000);

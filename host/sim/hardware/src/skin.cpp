@@ -262,7 +262,9 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     chips_.push_back(std::make_unique<Ad7147>(modules_[m]));
     Ad7147& chip = *chips_.back();
     const std::uint64_t serial = mix(scene.seed ^ drawn_from(scene, layout::ModuleId{m}));
-    chip.set_behaviour(scene.effects.converters.of(serial));
+    Ad7147Behaviour behaviour = scene.effects.converters.of(serial);
+    behaviour.bus_coupling_counts = scene.effects.bus_coupling_counts;
+    chip.set_behaviour(behaviour);
     if (scene.effects.converters.drawn) chip.set_noise(serial | 1);
     const bool never_there = places[m].size() == 1 && places[m][0].place.patch < 0;
     if (wiring[m].patch < 0 || never_there) continue;

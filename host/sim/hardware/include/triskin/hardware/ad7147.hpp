@@ -45,9 +45,17 @@ struct Ad7147Behaviour {
   double zero_counts = 0.0;         ///< what every result has too much
   double neg_extra_counts = 0.0;    ///< capacitance of the path from a pin to the negative input
   double path_spread_counts = 0.0;  ///< that of each pin differs by up to ± this
-  double noise = 1.0;               ///< as a share of the data sheet's, if set_noise() switched it on
-  double wander_counts = 0.0;       ///< amplitude of slow noise, for which a wave of 4 s stands
-  double period_error = 0.0;        ///< the oscillator is slower by this share
+  double neg_gain_ratio = 1.0;      ///< the gain of the negative input as a share of the positive one's
+  double stage_gain_spread = 0.0;   ///< the gain of each stage at each input differs by up to ± this share
+  /// Integral non-linearity: so many counts too much at both ends of the range, none in the middle. An odd part is the
+  /// same at both inputs with opposite signs, as a gain is.
+  double curve_counts = 0.0;
+  double noise = 1.0;          ///< as a share of the data sheet's, if set_noise() switched it on
+  double wander_counts = 0.0;  ///< amplitude of slow noise, for which a wave of 4 s stands
+  double period_error = 0.0;   ///< the oscillator is slower by this share
+  /// What the tracks of each I²C line have to a pad above them if no shield lies between. 64 to 256 times three samples
+  /// of a result see it with either sign while a line is busy.
+  double bus_coupling_counts = 0.0;
   double first_error_counts = 0.0;  ///< results of the first sequence after a restart are off by up to ± this
   std::uint64_t serial = 0;         ///< what is drawn for each pin and code depends on it
 };
@@ -144,12 +152,13 @@ class Ad7147 {
   [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;
   /// Returns the conversion whose result the registers show.
   [[nodiscard]] Conversion shown_conversion(int stage, std::uint64_t now_us) const;
-  [[nodiscard]] double afe_counts(std::uint16_t afe) const;
   [[nodiscard]] double spread(std::uint64_t of) const;
   [[nodiscard]] double path_counts(int pin, bool negative) const;
+  [[nodiscard]] double gain(int stage, bool negative) const;
   [[nodiscard]] double wander(int stage, std::uint64_t at_us) const;
   [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
   [[nodiscard]] double noise(int stage, std::uint64_t number) const;
+  [[nodiscard]] double bus_noise(int stage, std::uint64_t number) const;
   [[nodiscard]] std::uint16_t result(int place, std::uint64_t now_us) const;
   [[nodiscard]] std::uint16_t complete_status(std::uint64_t now_us);
 

@@ -16,9 +16,9 @@ struct Converters {
     const ConverterProperty* property;
     double value;  ///< of a flag: 0 or 1
   };
-  /// Each chip is drawn by its serial number. False: ideal chips, the same ones by the data sheet, without noise.
-  /// read_scene() and the links that simulate a design without a scene draw.
-  bool drawn = false;
+  /// Each chip is drawn by its serial number, so that no two of a simulation are alike. False: ideal chips, all as the
+  /// data sheet says and without noise.
+  bool drawn = true;
   std::vector<Given> given{};  ///< every chip has these
 
   /// Returns the properties of the chip with this serial number; equal numbers give equal chips.

@@ -125,9 +125,10 @@ struct Effects {
   double taxel_spread_counts = 0.0;  ///< The offset that is added to an electrode lies within ± this value.
   /// The gains of the taxels lie within ± this fraction of kCountsPerKpa (< 1).
   double sensitivity_spread = 0.0;
-  double electrode_least_pf = 2.0;  ///< It is the smallest capacitance of an electrode; each taxel has its own.
-  /// It is the largest capacitance of an electrode; a converter with the smallest offset steps reaches 16.5 pF.
-  double electrode_most_pf = 16.0;
+  /// Each taxel's electrode is drawn from this range: from what a temperature pad of our board has at least to what
+  /// installed boards have at most (docs/silicon.md, "What electrodes have").
+  double electrode_least_pf = 0.15, electrode_most_pf = 15.0;
+  double bus_coupling_counts = 0.0;     ///< Ad7147Behaviour::bus_coupling_counts of every chip
   Converters converters{};              ///< Scene files have it beside "effects".
   std::uint64_t bus_bit_rate = 0;       ///< 0 means that frames take no time.
   std::uint64_t bus_data_bit_rate = 0;  ///< It is the rate of FD frames with a rate switch; 0 means bus_bit_rate.
