@@ -60,6 +60,15 @@ TEST_F(Faults, FirstReadingsAreReal) {
   }
 }
 
+// The chip's own compensation is off in every stage (STAGE_CAL_EN), and its status has every stage (0x007).
+TEST_F(Faults, NoStageIsCalibratedByTheChip) {
+  start();
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(chip(k).read(0x001, bench.now_us), 0) << k;
+    EXPECT_EQ(chip(k).read(0x007, bench.now_us), 0x0FFF) << k;
+  }
+}
+
 TEST_F(Faults, AbsentModule) {
   chip(3).powered = false;
   start();

@@ -195,11 +195,12 @@ void LineSampler::start(Job job) {
   }
 }
 
-// Sequences that passed unread skip their numbers.
+// Sequences that passed unread skip their numbers. None is missing before the first one that was read: Application
+// numbers what a module without data reports.
 void LineSampler::count_missed() {
   for (const Chip& chip : chips()) {
     const std::uint32_t missed = schedule_.take_missed(number_of(chip));
-    if (chip.setup.runs()) reading_of(chip).number += missed;
+    if (chip.was_read) reading_of(chip).number += missed;
   }
 }
 
@@ -329,9 +330,10 @@ void LineSampler::publish(Chip& chip, std::uint64_t now_us) {
   if (!end_us) return;
   ModuleReading& reading = reading_of(chip);
   if (!whole) {
-    ++reading.number;  // A sequence without a reading is lost, so its number is skipped.
+    if (chip.was_read) ++reading.number;  // A sequence without a reading is lost, so its number is skipped.
     return;
   }
+  chip.was_read = true;
   reading.store(results_, chip.frozen.add(results_));
   reading.publish(*end_us);
 }
@@ -347,6 +349,7 @@ bool LineSampler::must_repeat_start() {
 void LineSampler::find(Chip& chip, std::uint64_t at_us) {
   if (job_ != Job::kIdle && job_ != Job::kScan && current_ == number_of(chip)) job_ = Job::kDrain;
   chip.setup.find();
+  chip.was_read = false;
   chip.configuration.running = false;
   chip.presence.ask_at(at_us);
   schedule_.stop(number_of(chip));

@@ -108,6 +108,7 @@ class LineSampler {
     Presence presence;
     ConfigurationCheck check;
     FrozenTaxels frozen;
+    bool was_read = false;  // since it was found; its samples are numbered from then on
   };
 
   [[nodiscard]] Chip& add_chip(TableRow row, std::uint8_t address);
