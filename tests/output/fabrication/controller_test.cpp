@@ -55,6 +55,26 @@ TEST(Controller, TransceiverStandsTheBitRateAndItsSupply) {
   for (const std::string& pin : t.low) EXPECT_EQ(net_of[pin], "GND") << pin << " is open: standby or shutdown";
 }
 
+// A line of a full patch of switched modules has 60 pF/m · 0.5 m + 15 · 2 pF + 4 · 10 pF + 12 · 6 pF = 172 pF
+// (docs/routing.md): 300 ns from 30 to 70 % ask for 300 ns / (0.8473 · 172 pF) = 2,059 Ω or less. The least is 967 Ω:
+// 3 mA at 0.4 V (UM10204, table 10). What the AD7147's SDA sinks is not known to us; at 1 mA at 0.4 V it would be a
+// switch of 400 Ω, which has to leave a tenth of the supply below the STM32's 0.3 · VDD (UM10204, 3.1.4: 0.1 VDD).
+TEST(Controller, PullUpsChargeAFullPatchAndLeaveAConverterItsLevel) {
+  std::map<std::string, double> pull_up_ohm;
+  for (const NetPin& p : controller_nets()) {
+    std::smatch value;
+    if (std::regex_match(p.value, value, std::regex(R"(([\d.]+)k)")) &&
+        (p.net.starts_with("SDA") || p.net.starts_with("SCL")))
+      pull_up_ohm[p.net] = 1000.0 * std::stod(value[1]);
+  }
+  ASSERT_EQ(pull_up_ohm.size(), 8U);
+  for (const auto& [net, ohm] : pull_up_ohm) {
+    EXPECT_LE(0.8473 * ohm * 172e-12, 300e-9) << net;
+    EXPECT_GE(ohm, (3.3 - 0.4) / 3e-3) << net;
+    EXPECT_LE(3.3 * 400.0 / (ohm + 400.0), (0.3 - 0.1) * 3.3) << net;
+  }
+}
+
 // Each row of the page's table of transceivers: rate and supply of the data sheet, and where its pins go.
 TEST(Controller, TransceiversOfThePageAreSpecifiedForTheBus) {
   const std::string page = read_file(std::filesystem::path(test::source_folder()) / "docs/program_board.md");

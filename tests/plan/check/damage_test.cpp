@@ -267,6 +267,17 @@ TEST_F(Damage, wiring) {
                                  {"length_mm", 8e6},
                                  {"fold_rad", 0.0}}});
   });
+  // A cable of 3.5 m between two modules has 210 pF. Without it the line of a full patch has 172.
+  expect("pull-up", [](json& j) {
+    j["version"] = 2;
+    j["limits"]["jumper_mm"] = 8.5e6;
+    j["report"]["jumpers_lower_bound"] = 0;
+    j["jumpers"] = json::array({{{"kind", "cable"},
+                                 {"modules", {leaf(j)["parent"], leaf(j)["id"]}},
+                                 {"sides", {0, 0}},
+                                 {"length_mm", 6e3},
+                                 {"fold_rad", 0.0}}});
+  });
   expect("patch-members", [](json& j) { j["patches"][0]["modules"].push_back(leaf(j)["id"]); });
   expect("every-module-wired", [](json& j) { j["patches"].erase(0); });
   expect("patch-node", [](json& j) { j["patches"][0]["node_address"] = 5; });

@@ -50,7 +50,7 @@ TEST(Supply, OfTwoModulesByTheFiguresOfThePage) {
   const auto volts = design::supply_voltages_v(d, d.patches[0]);
   EXPECT_NEAR(volts[0], 3.2 - 0.61 * 0.002, 1e-12);
   EXPECT_NEAR(volts[1], 3.2 - 0.61 * 0.002 - 0.23 * 0.001, 1e-12);
-  EXPECT_EQ(design::lowest_supply(d).module, 1);
+  EXPECT_EQ(design::lowest_supply(d, d.patches[0]).module, 1);
   d.layout.jumpers = {{.node = {0, 1}, .side = {0, 0}, .length_mm = 200.0}};
   EXPECT_NEAR(design::supply_voltages_v(d, d.patches[0])[1], volts[1] - (0.12 + 0.2 * 0.98) * 0.001, 1e-12);
 }

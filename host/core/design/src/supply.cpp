@@ -57,13 +57,11 @@ std::vector<double> supply_voltages_v(const Design& design, const Patch& patch, 
   return volts;
 }
 
-LowestSupply lowest_supply(const Design& design, const SupplyModel& model) {
+LowestSupply lowest_supply(const Design& design, const Patch& patch, const SupplyModel& model) {
+  const std::vector<double> volts = supply_voltages_v(design, patch, model);
   LowestSupply lowest;
-  for (const Patch& patch : design.patches) {
-    const std::vector<double> volts = supply_voltages_v(design, patch, model);
-    for (std::size_t k = 0; k < volts.size(); ++k) {
-      if (lowest.module < 0 || volts[k] < lowest.volts) lowest = {patch.modules[k].node, volts[k]};
-    }
+  for (std::size_t k = 0; k < volts.size(); ++k) {
+    if (lowest.module < 0 || volts[k] < lowest.volts) lowest = {patch.modules[k].node, volts[k]};
   }
   return lowest;
 }

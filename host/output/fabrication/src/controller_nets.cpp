@@ -14,8 +14,8 @@ namespace triskin::fabrication {
 namespace {
 
 constexpr const char* kMicrocontroller = "STM32G474RET6";
-// These are the first pull-ups of docs/program_board.md; docs/routing.md limits how strong they may be.
-constexpr const char* kPullUp = "2.2k";
+// docs/routing.md says why: between what a line of a full patch needs and what a converter surely holds low.
+constexpr const char* kPullUp = "1.8k";
 
 // Each net has one pin of the microcontroller. The firmware's board header for NUCLEO-G474RE has the same pins, and a
 // test compares the two.

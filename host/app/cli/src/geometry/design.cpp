@@ -58,7 +58,8 @@ design::Vec3 size_of(const design::Mesh& mesh) {
 
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
-  nlohmann::json refused = nlohmann::json::object();
+  nlohmann::json refused = nlohmann::json::object(), supply_v = nlohmann::json::array();
+  for (const design::Patch& patch : d.patches) supply_v.push_back(design::lowest_supply(d, patch).volts);
   const design::Vec3 size_mm = size_of(d.surface);
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
   nlohmann::json keys = {{"modules", d.layout.modules.size()},
@@ -70,7 +71,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"patches_lower_bound", r.patches_lower_bound},
                          {"jumpers", d.layout.jumpers.size()},
                          {"jumpers_lower_bound", r.jumpers_lower_bound},
-                         {"lowest_supply_v", design::lowest_supply(d).volts},
+                         {"supply_v", std::move(supply_v)},
                          {"max_edge_error_mm", r.max_edge_error_mm},
                          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                          {"max_center_gap_mm", r.max_center_gap_mm},
@@ -146,9 +147,18 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   const auto& r = d.report;
   const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(mesh::open_side_of(d.surface));
   if (!open_side.empty()) output.say(open_side);
-  if (const design::LowestSupply lowest = design::lowest_supply(d); lowest.module >= 0)
-    output.say(fmt::format("supply: {:.2f} V at module {}, the lowest (needed: {:.2f})", lowest.volts, lowest.module,
-                           design::SupplyModel{}.needed_v()));
+  for (std::size_t p = 0; p < d.patches.size(); ++p) {
+    const design::LowestSupply lowest = design::lowest_supply(d, d.patches[p]);
+    double most_ohm = 1e9, least_ohm = 0.0;
+    for (const design::LineElectrical& line : d.patches[p].lines) {
+      if (line.modules == 0) continue;
+      least_ohm = std::max(least_ohm, line.pull_up_min_ohm);
+      most_ohm = std::min(most_ohm, line.pull_up_max_ohm);
+    }
+    output.say(
+        fmt::format("patch {}: supply {:.2f} V at module {}, the lowest (needed: {:.2f}); pull-ups {:.0f} … {:.0f} Ω",
+                    p, lowest.volts, lowest.module, design::SupplyModel{}.needed_v(), least_ohm, most_ohm));
+  }
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {}, which deviate by at most {:.3f} mm; measured on all",
                            notes.solver_faces, counted(d.surface.faces.size(), "face"), notes.solver_deviation_mm));

@@ -32,11 +32,11 @@ struct SupplyModel {
 [[nodiscard]] std::vector<double> supply_voltages_v(const Design& design, const Patch& patch,
                                                     const SupplyModel& model = {});
 
-/// The module of a design with the lowest supply.
+/// The module of a patch with the lowest supply: the last one of some branch.
 struct LowestSupply {
-  int module = -1;  ///< −1 in a design without modules
+  int module = -1;  ///< −1 in a patch without modules
   double volts = 0.0;
 };
-[[nodiscard]] LowestSupply lowest_supply(const Design& design, const SupplyModel& model = {});
+[[nodiscard]] LowestSupply lowest_supply(const Design& design, const Patch& patch, const SupplyModel& model = {});
 
 }  // namespace triskin::design
