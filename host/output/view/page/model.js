@@ -55,7 +55,7 @@ export class Model {
   /** Upper left corner of each island on the plane, and how wide it is, mm. */
   islandCorners = /** @type {number[][]} */ ([]);
   islandWidths = /** @type {number[]} */ ([]);
-  /** @param {any} data what model.json holds (docs/view.md) */
+  /** @param {any} data what model.json holds (model_json() in page.hpp) */
   constructor(data) {
     this.data = data;
     this.count = data.modules.length;

@@ -22,7 +22,7 @@ struct Asset {
 void require_page();
 
 /// Returns the facts of a design that the page needs as JSON: surface, modules with corners and taxels (mm, mesh frame,
-/// rounded to 10 µm), wiring, metrics with their limits, failures. docs/view.md has the keys. `recording` says that
+/// rounded to 10 µm), wiring, metrics with their limits, failures; page/model.js reads it. `recording` says that
 /// the page has a recording to play. `notes` has covers of a robot and findings. Cost: O(faces + modules).
 [[nodiscard]] std::string model_json(const design::Design& design, bool recording = false, const Notes& notes = {});
 
