@@ -28,6 +28,7 @@ class FlashDouble final : public Interface {
   void never_cut() { cut_ = -1; }
   void refuse(bool on) { refuse_ = on; }
   [[nodiscard]] int operations() const { return operations_; }
+  [[nodiscard]] int erases() const { return erases_; }
   [[nodiscard]] std::vector<std::uint8_t>& raw() { return bytes_; }
 
   [[nodiscard]] std::size_t size_bytes() const override { return bytes_.size(); }
@@ -38,6 +39,7 @@ class FlashDouble final : public Interface {
   bool erase_page(std::size_t offset) override {
     if (offset % kPage != 0 || offset >= bytes_.size() || refuse_) return false;
     const bool cut = power_fails();
+    ++erases_;
     const std::size_t n = !cut || tear_ == Tear::kAll ? kPage : tear_ == Tear::kHalf ? kPage / 2 : 0;
     std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), n, std::uint8_t{0xFF});
     std::fill_n(written_.begin() + static_cast<std::ptrdiff_t>(offset / kUnit), n / kUnit, false);
@@ -66,7 +68,7 @@ class FlashDouble final : public Interface {
   }
   std::vector<std::uint8_t> bytes_;
   std::vector<bool> written_;
-  int operations_ = 0, cut_ = -1;
+  int operations_ = 0, erases_ = 0, cut_ = -1;
   Tear tear_ = Tear::kNothing;
   bool refuse_ = false;
 };

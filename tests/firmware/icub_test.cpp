@@ -78,6 +78,17 @@ TEST_F(Icub, StartsStopsAndLeavesOutTriangles) {
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 4, 5, 8, 9}));
 }
 
+// Triangles 4 … 8 are switched off: bits 4 … 8 of FFFF are clear, little-endian at the end of FD30.
+TEST_F(Icub, TheStateNamesTheEnabledTriangles) {
+  Message state = bench.ask({0x22, 0xFD, 0x30});
+  ASSERT_EQ(state.size(), 3U + 9);
+  EXPECT_EQ((Message{state.end() - 2, state.end()}), (Message{0xFF, 0xFF}));
+  send_status("201 50 04 08 06 00 00 22");
+  state = bench.ask({0x22, 0xFD, 0x30});
+  ASSERT_EQ(state.size(), 3U + 9);
+  EXPECT_EQ((Message{state.end() - 2, state.end()}), (Message{0x0F, 0xFE}));
+}
+
 TEST_F(Icub, RestValueShiftAndPeriodAreObeyed) {
   send_status("201 4D 01 32 F5");
   send_status("201 50 00 0F 05 01 00 22");

@@ -284,6 +284,7 @@ TEST_F(Receiver, answers_wait_for_room) {
       wire::update::encode_order(wire::update::order_to(Command::kMissing, kSession, crc32(self.unique_id))), now_us);
   for (int k = 0; k < 100; ++k) receiver.step(port, now_us += 100);
   EXPECT_TRUE(port.sent.empty());
+  EXPECT_EQ(receiver.next_event_us(now_us), now_us + 200) << "it looks for room, and does not ask for the same moment";
   port.room = 1000;
   now_us += 200;
   receiver.step(port, now_us);

@@ -169,6 +169,23 @@ TEST(SerialLog, WritesLinesWithTimeAndLevelAsThePortTakesThem) {
   EXPECT_EQ(steps, static_cast<int>((terminal.text.size() + 7) / 8));
 }
 
+// Together they are several times as long as the buffer of one line.
+TEST(SerialLog, LongLinesFollowOneAnother) {
+  Log log;
+  Terminal terminal;
+  terminal.room = 10'000;
+  SerialLog serial(&terminal);
+  std::string expected;
+  for (int k = 0; k < 10; ++k) {
+    const std::string line(wire::kMaxLogText, static_cast<char>('a' + k));
+    say(log, line, 1'000);
+    expected += "      0.001 " + line + "\r\n";
+  }
+  serial.step(log);
+  EXPECT_EQ(terminal.text, expected);
+  EXPECT_FALSE(serial.waits(log));
+}
+
 TEST(SerialLog, ABoardWithoutAPortWaitsForNothing) {
   Log log;
   SerialLog serial(nullptr);

@@ -349,6 +349,47 @@ TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
   EXPECT_FALSE(after.snapshot(0x920003));
 }
 
+// An erase would stop the loop for 22 ms, and the pages of a new board are erased.
+TEST(FaultMemory, TheFirstFaultOfANewBoardErasesNothing) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
+  EXPECT_GT(flash.operations(), 0);
+  EXPECT_EQ(flash.erases(), 0);
+}
+
+// What another program left in the flash is no record, and nothing can be programmed over it.
+TEST(FaultMemory, PagesOfAnotherProgramAreErasedFirst) {
+  Flash flash;
+  const std::vector<std::uint8_t> zeros(flash.size_bytes());
+  ASSERT_TRUE(flash.program(0, zeros));
+  FaultMemory faults(flash);
+  faults.load();
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
+  FaultMemory after(flash);
+  after.load();
+  EXPECT_TRUE(after.snapshot(0x920003));
+}
+
+// Where the memory was cleared, the page that follows is not blank: it has to be erased, and the fault is kept.
+TEST(FaultMemory, APageThatIsNotBlankIsErasedFirst) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  for (int round = 0; round < 4; ++round) {
+    faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
+    ASSERT_TRUE(faults.clear());
+  }
+  EXPECT_GT(flash.erases(), 0);
+  faults.note(table_row(5), wire::ModuleState::kAbsent, {7, 8});
+  FaultMemory after(flash);
+  after.load();
+  ASSERT_TRUE(after.snapshot(0x920005));
+  EXPECT_EQ(after.snapshot(0x920005)->freeze, (wire::Freeze{7, 8}));
+  EXPECT_FALSE(after.snapshot(0x920003));
+}
+
 TEST(FaultMemory, ALooseContactWritesOnce) {
   Flash flash;
   FaultMemory faults(flash);

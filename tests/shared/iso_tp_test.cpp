@@ -225,6 +225,17 @@ TEST(IsoTp, WaitingHasAnEnd) {
   EXPECT_EQ(a.next_event_us(), UINT64_MAX);
 }
 
+TEST(IsoTp, AWaitRenewsTheDeadline) {
+  IsoTp a = tester();
+  ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  EXPECT_EQ(a.receive(frame({0x31, 0, 0}), 900'000), Event::kNone);
+  EXPECT_EQ(a.next_event_us(), 1'900'001U);
+  EXPECT_EQ(a.tick(1'900'000), Event::kNone);
+  EXPECT_EQ(a.receive(frame({0x30, 0, 0}), 1'900'000), Event::kNone);
+  EXPECT_TRUE(a.transmit(1'900'000)) << "the message goes on";
+}
+
 TEST(IsoTp, ASilentSenderIsGivenUp) {
   IsoTp b = node();
   EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);

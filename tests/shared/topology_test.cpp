@@ -100,9 +100,9 @@ TEST(TopologyVectors, encode_and_decode_as_the_file_says) {
       ++refused;
     }
   }
-  EXPECT_EQ(found, 4);
+  EXPECT_EQ(found, 5);
   EXPECT_EQ(route, 3);
-  EXPECT_EQ(refused, 11);
+  EXPECT_EQ(refused, 13);
 }
 
 }  // namespace

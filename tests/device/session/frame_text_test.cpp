@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "triskin/session/firmware_version.hpp"
 #include "vectors/frame_text.hpp"
 
 namespace triskin::session {
@@ -58,6 +59,19 @@ TEST(FrameText, frames_of_icub_boards_and_of_strangers) {
   EXPECT_EQ(text("S 20E 4D"), "iCub command 4D from 0 to 14");
   EXPECT_EQ(text("S 123 00"), "not of Triskin");
   EXPECT_EQ(text("E 00000001 00"), "not of Triskin");
+}
+
+TEST(FrameText, frames_of_updates) {
+  EXPECT_EQ(text("E 1BF40000 06 34 12 55 C6 5F 92 00"), "update: command 6");
+  EXPECT_EQ(text("E 1BF90102 00 11 22 33 44 55 66 77"), "update: data for slot 1, unit 258");
+  EXPECT_EQ(text("E 1BF80008 00 11 22 33 44 55 66 77"), "update: data for slot 0, unit 8");
+  EXPECT_EQ(text("E 1BF9FFFF 00 11 22 33 44 55 66 77"), "update: data for slot 1, unit 65535");
+}
+
+// Major, minor and patch; the build number is left out.
+TEST(FirmwareVersion, has_three_numbers) {
+  EXPECT_EQ(firmware_version_text(0x01020304), "1.2.3");
+  EXPECT_EQ(firmware_version_text(0xFF00FE00), "255.0.254");
 }
 
 TEST(FrameText, whatever_a_bus_carries_has_a_text) {
