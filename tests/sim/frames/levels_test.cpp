@@ -88,7 +88,7 @@ void compare(const std::vector<SentFrame>& firmware, const std::vector<SentFrame
       ASSERT_TRUE(*x == *y) << fmt::format("module {}, sample {} and {}", x->module, x->sample, y->sample);
     }
   }
-  if (!chips_fall_silent) EXPECT_EQ(orders(firmware), orders(table));
+  EXPECT_TRUE(chips_fall_silent || orders(firmware) == orders(table));
   found.most_exchanged_us = std::max(most_exchanged(firmware, table), most_exchanged(table, firmware));
 }
 
