@@ -167,7 +167,7 @@ TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   map.add(frame(0, 20'000, 0));
   EXPECT_TRUE(map.tared());
   EXPECT_TRUE(map.pressed().empty());
-  skin::TouchMap next(design, map.rest());
+  skin::TouchMap next(design, {map.rest(), {}});
   next.add(frame(0, 20'000, 300));
   ASSERT_EQ(next.pressed().size(), 1U) << "the first sample counts when the rest is known";
   EXPECT_DOUBLE_EQ(next.pressed()[0].change_counts, 300);
@@ -234,7 +234,7 @@ TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   const design::Design design = strip(3);
   design::RestValues tared(3);
   for (auto& module : tared) module.fill(20'000);
-  LiveMonitor monitor(design, tared);
+  LiveMonitor monitor(design, {tared, {}});
   EXPECT_EQ(sentence(monitor.off_rest()), "") << "nothing was heard";
   monitor.add(frame(0, 20'000, 4'000));
   EXPECT_EQ(monitor.off_rest().taxels, 0) << "a touch is none";

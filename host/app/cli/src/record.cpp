@@ -287,6 +287,7 @@ class BusRecording {
 
   void run(skin::LiveBus& bus, const ProgressSink& progress, const Output& output) {
     bus.find_controllers();
+    bus.require_flashed();
     for (std::size_t c = 0; c < files_.size(); ++c) files_[c]->describe(bus, c, options_, output);
     start_us_ = bus.now_us();
     try {

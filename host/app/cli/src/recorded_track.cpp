@@ -22,7 +22,6 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   RecordedTrack recorded{recorded_skin(file), {}, {}};
   const std::size_t modules = recorded.skin.design.layout.modules.size();
   skin::TouchMap touches(recorded.skin.design, recorded.skin.rest);
-  touches.settle(recorded.skin.settled);
   const auto contacts = [&] {
     std::vector<view::LatestSamples::Contact> shown;
     for (const skin::SkinContact& c : skin::contacts_of(touches, recorded.skin.design, recorded.skin.calibration))

@@ -31,9 +31,7 @@ struct Ended {};  // The exception is thrown when a person ends the replay.
 class Player {
  public:
   Player(const Options& options, RecordedSkin& skin, LiveDisplay& display)
-      : options_(options), monitor_(skin.design, skin.rest, std::move(skin.calibration)), display_(display) {
-    monitor_.touches().settle(skin.settled);
-  }
+      : options_(options), monitor_(skin.design, skin.rest, std::move(skin.calibration)), display_(display) {}
 
   void take(const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules_) return;

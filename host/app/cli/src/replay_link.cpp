@@ -20,6 +20,7 @@
 #include "triskin/layout/rest.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/patch_offsets.hpp"
 #include "triskin/skin/touch_map.hpp"
 #include "triskin/wire/offsets.hpp"
 
@@ -27,7 +28,6 @@ namespace triskin::cli {
 namespace {
 
 constexpr double kReplaySlice_us = 10'000;
-constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // Controllers find their offsets within this time.
 
 struct ReplayEnded {};  // The exception is thrown when a person ends the replay.
 
@@ -38,7 +38,6 @@ class Beginning {
   // Reads the whole file.
   Beginning(const std::string& file, const RecordedSkin& recorded)
       : touches_(recorded.design, recorded.rest), seen_(recorded.design.layout.modules.size()) {
-    touches_.settle(recorded.settled);
     (void)recording::read_recording(file, [&](const recording::ModuleSample& s) { add(s); });
     if (std::ranges::find(seen_, true, &Module::heard) == seen_.end())
       throw InputError(file + ": holds no sample, so there is nothing to play");
@@ -83,6 +82,7 @@ hardware::Scene replay_scene(const RecordedSkin& recorded, const Beginning& begi
   const design::Design& design = recorded.design;
   hardware::Scene scene;
   scene.design = design;
+  scene.effects.converters.drawn = false;  // The chips of the recording have left their marks in its values.
   scene.boards = recorded_boards(recorded);
   for (layout::ModuleId m; m < static_cast<int>(design.layout.modules.size()); ++m) {
     if (beginning.has(m)) continue;
@@ -170,7 +170,7 @@ void prepare_boards(const design::Design& design, const design::RestValues& rest
   for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p)
     flash.assign.push_back({p, session::to_text(hardware::unique_id_of(link.skin().scene(), p))});
   (void)deploy::flash(bus, design, flash);
-  bus.listen(bus.now_us() + kReplayOffsets_us);
+  session::wait_for_set_up(bus);
   // With power again they keep the offsets and take for rest what they read: what the skin did at rest.
   for (layout::ModuleId m; m < static_cast<int>(rest.size()); ++m) {
     auto shown = rest[static_cast<std::size_t>(m)];
@@ -178,7 +178,7 @@ void prepare_boards(const design::Design& design, const design::RestValues& rest
     link.skin().skin().show(m, shown);
   }
   for (std::size_t p = 0; p < link.skin().controllers(); ++p) link.skin().power_cycle(p);
-  bus.listen(bus.now_us() + kReplayOffsets_us);
+  session::wait_for_set_up(bus);
 }
 
 }  // namespace

@@ -47,7 +47,6 @@ void read_samples(triskin_recording& r, const std::string& file) {
   const std::uint64_t link_start_us = number_fact(r.skin, "link_start_us");
   const std::size_t modules = r.skin.design.layout.modules.size();
   skin::TouchMap touches(r.skin.design, r.skin.rest);
-  touches.settle(r.skin.settled);
   (void)recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (s.module < 0 || static_cast<std::size_t>(s.module) >= modules)
       throw InputError(fmt::format("{}: a sample is of module {}, and its design has {}", file, s.module, modules));

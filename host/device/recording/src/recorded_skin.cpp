@@ -22,13 +22,13 @@ RecordedSkin recorded_skin(const std::string& file) {
   const Summary origin = read_origin(file);
   if (origin.design_text.empty())
     throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
-  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}, {}, origin.facts};
+  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}, origin.facts};
   for (layout::PatchIndex patch; patch < static_cast<int>(skin.design.patches.size()); ++patch)
     skin.serials.push_back(serial_of(origin.facts, design::node_address_of(skin.design, patch)));
   if (!origin.rest_text.empty())
-    skin.rest = design::parse_rest(origin.rest_text, file + ": " + kRestName, skin.design.layout.modules.size());
+    skin.rest.kept = design::parse_rest(origin.rest_text, file + ": " + kRestName, skin.design.layout.modules.size());
   if (!origin.settled_text.empty())
-    skin.settled =
+    skin.rest.settled =
         design::parse_settled(origin.settled_text, file + ": " + kSettledName, skin.design.layout.modules.size());
   if (origin.calibration_text.empty()) return skin;
   const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + kCalibrationName);

@@ -32,6 +32,10 @@ void wait_for_set_up(Bus& bus, std::span<const wire::NodeClaim> claims) {
   }
 }
 
+void wait_for_set_up(Bus& bus) {
+  wait_for_set_up(bus, bus.discover());
+}
+
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design,
                                        std::span<const wire::NodeClaim> claims) {
   std::vector<PatchOffsets> all;

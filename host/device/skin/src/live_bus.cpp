@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "receive.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
 #include "triskin/base/wall_clock.hpp"
@@ -61,6 +64,23 @@ void LiveBus::find_controllers(RestSource rest) {
   discovered_ = discovered_ || rest != RestSource::kPresent;
 }
 
+void LiveBus::require_flashed() const {
+  const auto fresh = std::ranges::count(claims_, false, &wire::NodeClaim::has_table);
+  if (fresh == 0) return;
+  for (const LiveCover& cover : covers_) {
+    for (const layout::PatchIndex patch : design::patches_here(cover.design())) {
+      const auto node = static_cast<std::uint8_t>(design::node_address_of(cover.design(), patch));
+      if (std::ranges::any_of(claims_, [&](const auto& c) { return c.has_table && c.node_address == node; })) continue;
+      const std::string& name = cover.config().name;
+      throw DeviceError(fmt::format(
+          "{}: no controller has the table of {}patch {}, and {} here {} none yet; run triskin "
+          "flash first",
+          bus_->name(), name.empty() ? "" : name + ", ", patch, counted(static_cast<std::size_t>(fresh), "controller"),
+          agreeing(static_cast<std::size_t>(fresh), "has", "have")));
+    }
+  }
+}
+
 FoundCalibration LiveBus::find_calibration(const LiveCover& cover, std::span<const design::BoardCalibration> boards) {
   const auto kept = session::kept_in_controllers(*bus_, cover.design(), claims_);
   return calibration_of(cover.design(), claims_, boards, kept, CalibrationStore());
@@ -74,6 +94,7 @@ void LiveBus::take(const session::ModuleSample& sample, const OnSample& on_sampl
 
 void LiveBus::start(const session::StreamOptions& options, OnSample on_sample) {
   if (!discovered_) find_controllers();
+  require_flashed();
   forget_stream();
   std::vector<const design::Design*> designs;
   for (const LiveCover& cover : covers_) designs.push_back(&cover.design());

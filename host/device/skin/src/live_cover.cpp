@@ -14,14 +14,13 @@ void LiveCover::set_rest(std::span<const wire::NodeClaim> claims, RestSource sou
   const RestStore store(design(), claims);
   rest_file_ = store.file();
   if (source == RestSource::kPresent) return;
-  kept_rest_ = source == RestSource::kKept ? store.read() : design::RestValues{};
-  settled_.clear();
+  rest_ = {source == RestSource::kKept ? store.read() : design::RestValues{}, {}};
   reset();
 }
 
 void LiveCover::reset() {
   tare_.reset();
-  monitor_.emplace(design(), kept_rest_);
+  monitor_.emplace(design(), rest_);
   tare_.emplace(monitor_->touches(), design().layout.modules.size());
 }
 

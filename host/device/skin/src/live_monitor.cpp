@@ -126,7 +126,7 @@ int colour_of(double counts, bool trouble) {
 
 }  // namespace
 
-LiveMonitor::LiveMonitor(const design::Design& design, const design::RestValues& rest,
+LiveMonitor::LiveMonitor(const design::Design& design, const design::KnownRest& rest,
                          design::SkinCalibration calibration)
     : design_(design),
       touches_(design, rest),

@@ -22,9 +22,10 @@ std::optional<double> warming_counts(const wire::TaxelFrame& sample,
   return sum / known;
 }
 
-TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
+TouchMap::TouchMap(const design::Design& design, const design::KnownRest& rest)
     : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {
-  set_rest(rest, layout::ModuleId{});
+  set_rest(rest.kept, layout::ModuleId{});
+  settle(rest.settled);
 }
 
 void TouchMap::set_rest(const design::RestValues& rest, layout::ModuleId first_module) {

@@ -88,7 +88,6 @@ ContactDensity density_of_recording(const std::filesystem::path& path) {
   const std::size_t modules = density.design.layout.modules.size();
   density.touched_s.assign(modules, 0.0);
   skin::TouchMap touches(density.design, skin.rest);
-  touches.settle(skin.settled);
   std::vector<std::uint64_t> last_us(modules, 0);
   const recording::Summary summary = recording::read_recording(path, [&](const recording::ModuleSample& s) {
     const auto m = static_cast<std::size_t>(s.module);

@@ -13,6 +13,12 @@ namespace triskin::design {
 /// were never taken.
 using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 
+/// What is known of the rest before the first sample.
+struct KnownRest {
+  RestValues kept{};     ///< of a tare or a calibration
+  RestValues settled{};  ///< what the controllers said (session::settled_rest()); NaN: not known; empty: not asked
+};
+
 /// Formats rest values as JSON of format `triskin-rest`, version 1.
 [[nodiscard]] std::string rest_text(const RestValues& rest);
 /// Parses such a file. `name` appears in messages, `modules` is the number in the design. Throws InputError with the

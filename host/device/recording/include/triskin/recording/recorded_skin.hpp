@@ -15,8 +15,7 @@ struct RecordedSkin {
   design::SkinCalibration calibration;  ///< If the calibration is empty, the recording has only counts.
   /// Serial numbers of the controllers are indexed by patch; an empty text means unknown.
   std::vector<std::string> serials;
-  design::RestValues rest;     ///< If there are none, the first values say where the taxels rest.
-  design::RestValues settled;  ///< The controllers said this of the rest (TouchMap::settle); may be empty.
+  design::KnownRest rest;                    ///< Where nothing is known, the first values say where the taxels rest.
   std::map<std::string, std::string> facts;  ///< The facts describe the recording (docs/recording.md).
 };
 

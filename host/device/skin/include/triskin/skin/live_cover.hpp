@@ -61,13 +61,13 @@ class LiveCover {
   void set_rest(std::span<const wire::NodeClaim> claims, RestSource source);
   /// Passes on what the controllers say of the rest (TouchMap::settle).
   void settle(const design::RestValues& settled) {
-    settled_ = settled;
+    rest_.settled = settled;
     monitor_->touches().settle(settled);
   }
   /// Returns what the controllers said of the rest; empty if they were not asked.
-  [[nodiscard]] const design::RestValues& settled() const { return settled_; }
+  [[nodiscard]] const design::RestValues& settled() const { return rest_.settled; }
   /// Returns the stored rest values; empty if there were none.
-  [[nodiscard]] const design::RestValues& kept_rest() const { return kept_rest_; }
+  [[nodiscard]] const design::RestValues& kept_rest() const { return rest_.kept; }
   /// Stores the present rest values for the next start and returns their file. Throws InputError when it cannot be
   /// written.
   std::filesystem::path keep_rest() const;
@@ -101,7 +101,7 @@ class LiveCover {
   const robot::CoverConfig& config_;
   std::optional<link::CoverTouchActuator> actuator_;
   std::filesystem::path rest_file_;
-  design::RestValues kept_rest_, settled_;
+  design::KnownRest rest_;
   std::optional<LiveMonitor> monitor_;
   std::optional<Tare> tare_;
 };

@@ -27,7 +27,7 @@ enum class PressureUnit {
 class LiveMonitor {
  public:
   /// `design` must outlive the monitor. `rest` is passed to TouchMap.
-  explicit LiveMonitor(const design::Design& design, const design::RestValues& rest = {},
+  explicit LiveMonitor(const design::Design& design, const design::KnownRest& rest = {},
                        design::SkinCalibration calibration = {});
   /// Updates the state of a module with a sample.
   void add(const session::ModuleSample& frame);

@@ -76,6 +76,9 @@ class LiveBus {
   /// asked. Takes 0.12 s. Throws Unreachable, and InputError
   /// when stored rest values are damaged.
   void find_controllers(RestSource rest = RestSource::kKept);
+  /// Throws DeviceError, which asks to flash first, when a patch of a cover has no controller with a table at its
+  /// address while controllers without one are there. A controller that is missing says so when it is asked.
+  void require_flashed() const;
   /// Returns the controllers that answered find_controllers().
   [[nodiscard]] std::span<const wire::NodeClaim> claims() const { return claims_; }
   /// Searches the calibration of a cover as calibration_of does, and asks the controllers for theirs. `boards` have

@@ -44,8 +44,8 @@ class TouchMap {
   /// (docs/silicon.md, beliefs): 20 kPa, so a lighter touch at the start shows after its end only.
   static constexpr double kRestBand_counts = 200.0;
   static constexpr std::size_t kRestSamples = 3;
-  /// `design` must outlive the map. `rest` has one entry per module, or is empty.
-  explicit TouchMap(const design::Design& design, const design::RestValues& rest = {});
+  /// `design` must outlive the map. Rest values have one entry per module, or are empty.
+  explicit TouchMap(const design::Design& design, const design::KnownRest& rest = {});
   /// Sets the rest values of the modules from `first_module` on; other modules keep theirs.
   void set_rest(const design::RestValues& rest, layout::ModuleId first_module);
   /// Says what each taxel read when its offset was settled (session::settled_rest()); NaN: not known. It has one entry
