@@ -63,7 +63,8 @@ TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
   std::istringstream csv(read_file(folder_ / "taxels.csv"));
   for (std::string row; std::getline(csv, row);) {
     int module = 0, taxel = 0, patch = 0, line = 0, address = 0;
-    if (std::sscanf(row.c_str(), "%d,%d,%d,%d,%d", &module, &taxel, &patch, &line, &address) == 5 && module == kModule)
+    if (std::sscanf(row.c_str(), "strip,%d,%d,%d,%d,%d", &module, &taxel, &patch, &line, &address) == 5 &&
+        module == kModule)
       said["taxels.csv"] = as_text(module, patch, line, address);
   }
 
@@ -111,6 +112,12 @@ TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
   }
 }
 
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
 // Two covers of the same design on one bus: of the second one, "upperarm", every number is that of its own design, and
 // the node address that of the robot file.
 TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
@@ -151,15 +158,15 @@ TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
     EXPECT_EQ(model["patches"][first_patch + patch_]["node"], node);
     EXPECT_EQ(model["modules"][joint]["address"], module_["address"]);
   }
+  ASSERT_EQ(run("export robot.json -o taxels.csv").status, 0);
+  const std::string rows = read_file(folder_ / "taxels.csv");
+  EXPECT_EQ(count_of(rows, "\nforearm,"), 12U * kModules);
+  EXPECT_EQ(count_of(rows, "\nupperarm,"), 12U * kModules);
+  EXPECT_THAT(rows, HasSubstr(fmt::format("\nupperarm,{},0,{},{},{},", kModule, patch_, module_["line"].get<int>(),
+                                          module_["address"].get<int>())));
   const Outcome sheets = run("export robot.json -o sheet.pdf");
   if (sheets.messages.find("without its assembly sheet") != std::string::npos) return;
   EXPECT_EQ(sheets.out, "sheet.forearm.pdf\nsheet.upperarm.pdf\n") << sheets.messages;
-}
-
-std::size_t count_of(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
 }
 
 // A box has modules on all of its sides, so one view does not show all of them; a strip is seen from one side.

@@ -9,11 +9,21 @@
 namespace triskin {
 namespace {
 
-TEST(AsciiName, keeps_plain_names_and_joins_words) {
+TEST(AsciiName, keeps_plain_names) {
   EXPECT_EQ(ascii_name("forearm_2", "", "part"), "forearm_2");
-  EXPECT_EQ(ascii_name("left arm-2", "", "part"), "left_arm_2");
-  EXPECT_EQ(ascii_name("left arm-2.1", "-.", "part"), "left_arm-2.1");
+  EXPECT_EQ(ascii_name("left-arm.2", "-.", "part"), "left-arm.2");
   EXPECT_EQ(ascii_name("", "", "part"), "part");
+}
+
+// The digits are of FNV-1a as another program computed it. "left arm" and "left_arm" are two covers.
+TEST(AsciiName, tells_apart_what_it_spells_alike) {
+  EXPECT_EQ(ascii_name("left arm", "", "part"), "left_arm_6c1880ca");
+  EXPECT_EQ(ascii_name("left arm-2", "", "part"), "left_arm_2_4148deb5");
+  EXPECT_EQ(ascii_name("left arm-2.1", "-.", "part"), "left_arm-2.1_6f2f7590");
+  std::set<std::string> names;
+  for (const char* text : {"left arm", "left_arm", "left-arm", "left.arm", "left/arm", "left_arm_6c1880ca",
+                           "left_arm_6C1880CA", "left arm_6c1880ca", "_6c1880ca"})
+    EXPECT_TRUE(names.insert(ascii_name(text, "", "part")).second) << text;
 }
 
 // By hand: (811c9dc5 ^ 22) * 01000193 modulo 2^32.

@@ -121,7 +121,7 @@ design::Design mixed() {
 TEST(IcubPositions, give_each_taxel_its_place_in_the_hosts_reader) {
   const design::Design d = mixed();
   const HostPart part = read_as_skin_dyn_lib(exports::icub_positions(d));
-  EXPECT_EQ(part.name, "left_arm");
+  EXPECT_EQ(part.name, "left_arm_6c1880ca");
   EXPECT_EQ(part.size, 2U * 16 * 12);
   ASSERT_EQ(part.representative.size(), part.size);
   std::map<int, HostTaxel> by_id;

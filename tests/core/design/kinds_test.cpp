@@ -110,13 +110,14 @@ TEST_F(Kinds, stand_in_the_design_file_and_its_id) {
   other.design_id = design_id_of(other);
   write_design(path_, other);
   EXPECT_EQ(read_file(path_).find("kind"), std::string::npos);
-  EXPECT_TRUE(exports::taxels_csv(other).starts_with("module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz\n"));
+  EXPECT_TRUE(
+      exports::taxels_csv(other).starts_with("cover,module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz\n"));
 }
 
 TEST_F(Kinds, stand_in_the_lists) {
   const Design d = kinds_of_strip();
   const std::string csv = exports::taxels_csv(d);
-  EXPECT_TRUE(csv.starts_with("module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz,kind\n0,0,0,"));
+  EXPECT_TRUE(csv.starts_with("cover,module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz,kind\nstrip,0,0,0,"));
   EXPECT_NE(csv.find(",standard\n"), std::string::npos);
   EXPECT_NE(csv.find(",soft\n"), std::string::npos);
 }

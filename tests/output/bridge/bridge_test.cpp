@@ -323,7 +323,7 @@ TEST(RosTypes, messages_of_the_package_are_those_of_the_program) {
 
 TEST(RosTypes, names_are_those_of_ROS) {
   EXPECT_EQ(dds_name("sensor_msgs/msg/PointCloud2"), "sensor_msgs::msg::dds_::PointCloud2_");
-  EXPECT_EQ(part_name("left arm-2"), "left_arm_2");
+  EXPECT_EQ(part_name("left arm-2"), "left_arm_2_4148deb5");
   EXPECT_EQ(part_name("2nd"), "p2nd");
 }
 

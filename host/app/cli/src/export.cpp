@@ -46,14 +46,21 @@ std::string on_paper(const design::Design& design, const Options& options) {
   return write(design, options.paper,
                options.switched ? sheet::SheetModules::kSwitched : sheet::SheetModules::kStrapped);
 }
-// Unlike the others, the page names the covers of a robot.
+// Unlike the others, the page and the table of taxels name the covers of a robot.
 std::string page(const design::Design& /*design*/, const Options& options) {
   ShownDesign shown = read_shown_design(options.design, false);
   shown.notes.has_switched_modules = options.switched;
   return view::page_html(shown.design, {}, shown.notes);
 }
+std::string taxels(const design::Design& /*design*/, const Options& options) {
+  const ShownDesign shown = read_shown_design(options.design, false);
+  std::vector<exports::NamedCover> covers;
+  for (std::size_t c = 0; c < shown.notes.covers.size(); ++c)
+    covers.push_back({shown.notes.covers[c].name, shown.offsets[c]});
+  return exports::taxels_csv(shown.design, covers);
+}
 const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<exports::picture_svg>}},
-                                             {"taxels", {".taxels.csv", plain<exports::taxels_csv>}},
+                                             {"taxels", {".taxels.csv", taxels}},
                                              {"modules", {".modules.obj", plain<exports::modules_obj>}},
                                              {"html", {".html", page}},
                                              {"gltf", {".gltf", plain<exports::gltf>}},

@@ -6,16 +6,26 @@
 #include <cstdint>
 
 namespace triskin {
+namespace {
+
+constexpr std::size_t kHashDigits = 8;
+
+// A name that ends as one with a hash does gets a hash of its own, or two names could become one.
+bool ends_in_hash(std::string_view text) {
+  if (text.size() <= kHashDigits || text[text.size() - kHashDigits - 1] != '_') return false;
+  return text.substr(text.size() - kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+}  // namespace
 
 std::string ascii_name(std::string_view text, std::string_view also, std::string_view if_empty) {
-  constexpr std::string_view kSeparators = " -./";
   std::string name;
-  bool has_lost = false;
+  bool has_lost = ends_in_hash(text);
   std::uint32_t hash = 2166136261U;  // FNV-1a of 32 bits
   for (const char c : text) {
     const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
                        also.find(c) != std::string_view::npos;
-    has_lost = has_lost || (!stays && kSeparators.find(c) == std::string_view::npos);
+    has_lost = has_lost || !stays;
     name += stays ? c : '_';
     hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
   }

@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 
 #include "design_view.hpp"
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/module_side.hpp"
@@ -137,15 +139,22 @@ std::string picture_svg(const design::Design& design) {
   return svg;
 }
 
-std::string taxels_csv(const design::Design& design) {
-  std::string csv = "module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz";
+std::string taxels_csv(const design::Design& design, std::span<const NamedCover> covers) {
+  const std::array<NamedCover, 1> alone{NamedCover{design.name, {}}};
+  if (covers.empty()) covers = alone;
+  std::string csv = "cover,module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz";
   csv += design.kinds.empty() ? "\n" : ",kind\n";
   const auto wiring = design::wiring_of(design);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    while (covers.size() > 1 && k >= static_cast<std::size_t>(covers[1].first.module)) covers = covers.subspan(1);
+    const auto& [name, first] = covers.front();
+    const std::string cover = csv_field(name);
+    const std::size_t module = k - static_cast<std::size_t>(first.module);
+    const int patch = wiring[k].patch < 0 ? -1 : wiring[k].patch - first.patch;
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {
       const auto& [p, n] = taxels[t];
-      csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", k, t, wiring[k].patch,
+      csv += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", cover, module, t, patch,
                          wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
       csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", csv_field(kind_name(design, static_cast<int>(k))));
     }
@@ -164,7 +173,7 @@ std::string face_line(std::size_t vertices_before, std::size_t corners) {
 }  // namespace
 
 std::string modules_obj(const design::Design& design) {
-  std::string obj = "# triskin modules, mm\n";
+  std::string obj = fmt::format("# triskin modules, mm\no {}\n", ascii_name(design.name, "-.", "modules"));
   std::size_t corners = 3;  // Each module has this many vertices in the file.
   for (const auto& m : design.layout.modules) {
     const design::Outline outline = design::outline_of(m.corner_mm, design.layout.corner_cut_mm);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/markup.hpp"
 #include "triskin/base/terminal_text.hpp"
 
 #ifdef TRISKIN_CAIRO
@@ -43,6 +44,7 @@ void trace_circle(cairo_t* context, const Vec2& center, double radius_mm) {
 
 struct Canvas::Cairo {
   Kind kind;
+  std::string title;
   std::vector<Vec2> sizes_mm;
   std::size_t started = 0;
   std::string bytes;
@@ -66,9 +68,10 @@ struct Canvas::Cairo {
   }
 };
 
-Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_unique<Cairo>()) {
+Canvas::Canvas(Kind kind, std::string title, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_unique<Cairo>()) {
   Cairo& c = *cairo_;
   c.kind = kind;
+  c.title = std::move(title);
   c.sizes_mm = std::move(page_sizes_mm);
   const double height_mm = height_mm_of(c.sizes_mm);
   double width_mm = 1.0;
@@ -78,6 +81,7 @@ Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_un
     // A date would make the files of equal designs differ.
     cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
     cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATOR, "triskin");
+    cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_TITLE, c.title.c_str());
   } else {
     c.surface = cairo_svg_surface_create_for_stream(append, &c.bytes, width_mm, height_mm);
     cairo_svg_surface_set_document_unit(c.surface, CAIRO_SVG_UNIT_MM);
@@ -227,7 +231,11 @@ std::string Canvas::finish() {
     if (status != CAIRO_STATUS_SUCCESS)
       throw InputError(fmt::format("export: Cairo cannot draw the sheet: {}", cairo_status_to_string(status)));
   }
-  return std::move(cairo_->bytes);
+  std::string& bytes = cairo_->bytes;
+  // Cairo writes no title into an SVG, and its letters are outlines.
+  if (cairo_->kind == Kind::kSvg)
+    bytes.insert(bytes.find('\n', bytes.find("<svg ")) + 1, "<title>" + escape_markup(cairo_->title) + "</title>\n");
+  return std::move(bytes);
 }
 
 void draw_qr(Canvas& canvas, const std::string& text, const Vec2& corner, double size_mm) {
@@ -254,7 +262,7 @@ namespace triskin::sheet {
 
 struct Canvas::Cairo {};
 
-Canvas::Canvas(Kind /*kind*/, std::vector<Vec2> /*page_sizes_mm*/) {
+Canvas::Canvas(Kind /*kind*/, std::string /*title*/, std::vector<Vec2> /*page_sizes_mm*/) {
   throw InputError(
       "this triskin was built without its assembly sheet, since Cairo or libqrencode was not installed; install the "
       "packages libcairo2-dev, libqrencode-dev and fonts-dejavu-core and build again");

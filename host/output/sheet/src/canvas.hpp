@@ -38,9 +38,9 @@ struct TextLook {
 class Canvas {
  public:
   enum class Kind { kPdf, kSvg };
-  /// Prepares pages of these sizes; next_page() begins each of them, the first too. Throws InputError if the program
-  /// was built without Cairo.
-  Canvas(Kind kind, std::vector<Vec2> page_sizes_mm);
+  /// Prepares pages of these sizes in a document of this title; next_page() begins each of them, the first too. Throws
+  /// InputError if the program was built without Cairo.
+  Canvas(Kind kind, std::string title, std::vector<Vec2> page_sizes_mm);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;

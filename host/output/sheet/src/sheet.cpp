@@ -29,7 +29,7 @@ std::string draw(design::Design design, Paper paper, SheetModules modules, Canva
   const Plan plan = plan_of(design, paper);
   std::vector<Vec2> sizes_mm;
   for (const Page& page : plan.pages) sizes_mm.push_back(page.size_mm);
-  Canvas canvas(kind, std::move(sizes_mm));
+  Canvas canvas(kind, design.name, std::move(sizes_mm));
   int number = 0;
   for (const Page& page : plan.pages) {
     canvas.next_page();

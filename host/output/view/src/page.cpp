@@ -7,6 +7,7 @@
 
 #include "triskin/base/base64.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/markup.hpp"
 
 namespace triskin::view {
 namespace {
@@ -56,6 +57,8 @@ void require_page() {
 std::string page_html(const design::Design& design, std::string_view track, const Notes& notes) {
   require_page();
   std::string html(assets().at("index.html").bytes);
+  replace_one(html, "<title>triskin view</title>",
+              fmt::format("<title>{} – triskin view</title>", escape_markup(design.name)));
   replace_one(html, "<link rel=\"stylesheet\" href=\"style.css\">",
               fmt::format("<style>\n{}</style>", assets().at("style.css").bytes));
   const std::string recording =

@@ -6,8 +6,9 @@
 namespace triskin {
 
 /// A name for formats that take letters, digits, `_` and the characters of `also` only: topics, identifiers of
-/// simulators, files. A space, `-`, `.` or `/` becomes `_`. Names in other scripts stay different: what they lose is
-/// told apart by eight hexadecimal digits of FNV-1a over the text ("左腕" and "右腕"). `if_empty` stands for "".
+/// simulators, files. A text of these is its own name. In any other, each other byte becomes `_`, and eight hexadecimal
+/// digits of FNV-1a over the text follow, so that different texts have different names ("left arm", "left-arm" and
+/// "left_arm"; "左腕" and "右腕"); a text that ends like that gets them too. `if_empty` stands for "".
 [[nodiscard]] std::string ascii_name(std::string_view text, std::string_view also, std::string_view if_empty);
 
 }  // namespace triskin
