@@ -27,6 +27,23 @@ TEST(FileKind, is_told_by_content) {
       {zip_with("cover.stl"), "a zip archive with cover.stl in it"},
       {zip_with("Document.xml"), "a FreeCAD document"},
       {zip_with("a.usdc"), "a USD scene (USDZ)"},
+      {zip_with("v.npy"), "arrays of NumPy"},
+      {"BM\x36\0\0\0\0\0\0\0"s, "a BMP picture"},
+      {"RIFF\x10\0\0\0WEBPVP8 "s, "a WebP picture"},
+      {"\0\0\0\x18"
+       "ftypheic"s,
+       "a HEIC picture"},
+      {"\0\0\0\x18"
+       "ftypisom"s,
+       "a video"},
+      {std::string(128, '\0') + "DICM", "a medical picture (DICOM)"},
+      {"*HEADING\n*NODE\n", "a mesh of finite elements (Abaqus)"},
+      {"$ made by\nBEGIN BULK\nGRID,1\n", "a mesh of finite elements (Nastran)"},
+      {"date Mon Jan 1 10:00:00 2024\nbase hex  timestamps absolute\n", "a log of Vector tools (ASC)"},
+      {"M73 P0\nG28 ; home\n", "a program for a machine tool or a printer (G-code)"},
+      {"0.0 0.0 0.0\n1.0 0.0 0.0\n", "a list of points"},
+      {"t,kpa\n1,2\n", "a table of text (CSV)"},
+      {"<robot name=\"r\"><group name=\"arm\"/></robot>", "an SRDF of MoveIt"},
       {"**ABCDEFGHIJKLMNOPQRSTUVWXYZabc", "a Parasolid model (text)"},
       {"PS\0\0?"s, "a Parasolid model (binary)"},
       {"700 0 1 0\n16 Autodesk AutoCAD 19 ASM 225.0 1.2 NT 24\n", "an ACIS model (SAT)"},
@@ -50,7 +67,8 @@ TEST(FileKind, is_told_by_content) {
 TEST(FileKind, meshes_and_unknown_bytes_have_none) {
   for (const std::string& bytes :
        {"v 0 0 0\nv 1,5 2,5 3,5\n"s, "solid x\nfacet normal 0 0 1\n"s, "OFF\n3 1 0\n"s, "ply\nformat ascii 1.0\n"s,
-        "PSALM 1\n"s, zip_with("3D/3dmodel.model"), R"({"asset":{"version":"2.0"}})"s, "<COLLADA/>"s, ""s, "\1\2\3"s})
+        "PSALM 1\n"s, "3 1 0\n0 0 0\n1 0 0\n"s, "G\nM\n G1\n"s, zip_with("3D/3dmodel.model"),
+        R"({"asset":{"version":"2.0"}})"s, "<COLLADA/>"s, ""s, "\1\2\3"s})
     EXPECT_FALSE(file_kind(bytes)) << bytes;
 }
 

@@ -37,7 +37,7 @@ TEST_F(Locks, the_second_writer_is_told_the_process_of_the_first) {
     FAIL();
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("rest.json"));
-    EXPECT_THAT(e.what(), HasSubstr(fmt::format("process {}", ::getpid())));
+    EXPECT_THAT(e.what(), HasSubstr("this process is writing it"));
   }
   EXPECT_NO_THROW(WriterLock(folder_ / "other.json"));
 }
@@ -87,7 +87,7 @@ TEST_F(Locks, a_hard_link_has_the_holder_of_its_file) {
   std::filesystem::create_hard_link(file, folder_ / "again.mcap");
   const int again = ::open((folder_ / "again.mcap").c_str(), O_RDWR | O_CLOEXEC);
   EXPECT_THROW(lock_for_writing(again, "again.mcap"), InputError);
-  EXPECT_THAT(lock_holder(again), HasSubstr(fmt::format("process {}", ::getpid())));
+  EXPECT_EQ(lock_holder(again), "this process");
   ::close(again);
   ::close(fd);
 }

@@ -63,6 +63,13 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
     throw InputError("--pose: the last four numbers are not a unit quaternion x y z w");
   if (!std::ranges::all_of(pose.translation_m, [](double v) { return std::isfinite(v); }))
     throw InputError("--pose: x y z must be finite numbers (m)");
+  constexpr double kReach_m = 10.0;  // as for the joints of a URDF
+  if (const double far_m = std::ranges::max(pose.translation_m, {}, [](double v) { return std::abs(v); });
+      std::abs(far_m) > kReach_m)
+    throw InputError(
+        fmt::format("--pose: {:g} m from the parent is further than a robot reaches; x y z are metres: are "
+                    "they millimetres? Then divide them by 1000",
+                    far_m));
   return pose;
 }
 

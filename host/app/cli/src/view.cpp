@@ -58,6 +58,7 @@ ShownDesign compared(const Options& options, const std::string& file) {
 bool reads_skin(const Options& options, const std::string& file) {
   if (!options.compare.empty() || options.link.link == "none") return false;
   if (robot::is_robot_file(file)) return true;
+  if (options.link.link.empty()) (void)design::read_design(file);  // What is wrong with the file is said first.
   try {
     connect::require_link(options.link);
   } catch (const InputError& e) {

@@ -36,6 +36,7 @@ bool is_taken(int error) {
 }
 
 std::string name_of_process(const std::string& pid) {
+  if (pid == std::to_string(::getpid())) return "this process";
   std::ifstream in("/proc/" + pid + "/comm");
   std::string name;
   std::getline(in, name);

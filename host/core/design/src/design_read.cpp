@@ -9,6 +9,7 @@
 #include "mesh_json.hpp"
 #include "regions_json.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/base/json_cause.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/design.hpp"
@@ -398,8 +399,11 @@ void read_refused(const JsonValue& v, ModuleLayout& layout) {
 }  // namespace
 
 Design parse_design(const std::string& text, const std::string& file) {
-  if (!begins_as_json_object(text))
-    throw InputError(fmt::format("{}: is no design file (JSON); triskin design makes one of a mesh", file));
+  if (!begins_as_json_object(text)) {
+    const std::string what = not_asked_for(text, FileUse::kDesign);
+    throw InputError(fmt::format("{}: is {}", file,
+                                 what.empty() ? "no design file (JSON); triskin design makes one of a mesh" : what));
+  }
   const nlohmann::json document = parse_json(text, file);
   const JsonValue v(document, file);
   check_head(v);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/file_kind.hpp"
 #include "triskin/base/json_cause.hpp"
 
 namespace triskin::design {
@@ -49,6 +50,12 @@ class Examiner : public nlohmann::json_sax<nlohmann::json> {
   }
   bool parse_error(std::size_t position, const std::string& /*token*/,
                    const nlohmann::json::exception& error) override {
+    const std::size_t first = text_.find_first_not_of(" \t\r\n");
+    if (first != std::string::npos && text_[first] != '{' && text_[first] != '[') {
+      auto kind = file_kind(text_);
+      if (!kind) kind = part_kind(text_);
+      if (kind) throw InputError(fmt::format("{}: is {}, where a file in JSON is wanted", file_, kind->what));
+    }
     constexpr int kNumberOverflow = 406;  // the only error of which the library's message names no line
     if (error.id != kNumberOverflow)
       throw InputError(fmt::format("{}: is not JSON: {}", file_, json_cause(error.what())));

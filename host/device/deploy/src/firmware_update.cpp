@@ -230,8 +230,9 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
       !head && !what.empty())
     throw InputError(fmt::format("{}: is {}", file.string(), what));
   if (!head)
-    throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(),
-                                 session::describe(head.error())));
+    throw InputError(
+        fmt::format("{}: not a firmware package ({}); give triskin_firmware.tsf", file.string(),
+                    head.error() == Status::kBadMagic ? "wrong first bytes" : session::describe(head.error())));
   p.head = *head;
   if (p.bytes.size() < p.head.total()) {
     throw InputError(fmt::format("{}: is cut off: {}, its head says {}; copy it again", file.string(),

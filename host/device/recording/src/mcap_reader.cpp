@@ -141,7 +141,7 @@ std::string what_it_is(const ByteSource& source) {
   if (!source.read(0, bytes)) return " (wrong first bytes)";
   const std::string what =
       not_asked_for({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, FileUse::kRecording);
-  return what.empty() ? " (wrong first bytes)" : ": it is " + what;
+  return what.empty() ? " (wrong first bytes); give one that \"triskin record\" wrote" : ": it is " + what;
 }
 
 ReadReport read_file(const ByteSource& source, const std::string& name, Visitor& visitor) {

@@ -51,8 +51,8 @@ FlashMemory::FlashMemory(std::size_t size_bytes, const std::filesystem::path& fi
   if (descriptor_ < 0)
     throw InputError(fmt::format("{}: cannot open the simulated flash: {}", file_, std::strerror(errno)));
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    throw DeviceError(fmt::format("{}: another process simulates this controller: {}; end it first", file_,
-                                  lock_holder(descriptor_)));
+    throw DeviceError(
+        fmt::format("{}: this controller is simulated by {} already; end that first", file_, lock_holder(descriptor_)));
   }
   require_size(descriptor_, static_cast<off_t>(size_bytes), file_);
   bytes_ = read_inverted(descriptor_, size_bytes, file_);

@@ -5,7 +5,10 @@
 #include <minizip/unzip.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <map>
+#include <string_view>
 #include <vector>
 
 #include "triskin/base/error.hpp"
@@ -14,9 +17,56 @@ namespace triskin::mesh {
 
 constexpr std::size_t kMaxBytes = 2'000'000'000;
 
+namespace {
+
+// Little-endian; −1 beyond the end.
+std::uint64_t number_at(std::string_view bytes, std::size_t at, std::size_t size) {
+  if (at > bytes.size() || size > bytes.size() - at) return ~std::uint64_t{0};
+  std::uint64_t value = 0;
+  for (std::size_t k = size; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes[at + k]);
+  return value;
+}
+
+// lib3mf writes each part with Zip64 sizes, which minizip 1.1 of Debian never reads where long has 64 bits: it compares
+// 0xFFFFFFFF with −1. Where a size or place fits into the 32 bits of the table of contents, it is put there: by
+// position in the archive, the byte to read. APPNOTE.TXT of PKWARE, 4.3.12, 4.3.14, 4.3.15, 4.5.3.
+std::map<std::size_t, char> sizes_in_32_bits(std::string_view bytes) {
+  constexpr std::uint64_t kInZip64 = 0xFFFFFFFF;
+  std::map<std::size_t, char> replaced;
+  const std::size_t end = bytes.rfind("PK\5\6");
+  if (end == std::string_view::npos) return replaced;
+  std::uint64_t at = number_at(bytes, end + 16, 4);
+  if (at == kInZip64 && end >= 20) {
+    const std::uint64_t large_end = number_at(bytes, end - 20 + 8, 8);
+    at = large_end < bytes.size() ? number_at(bytes, static_cast<std::size_t>(large_end) + 48, 8) : large_end;
+  }
+  while (at < bytes.size() && bytes.substr(static_cast<std::size_t>(at), 4) == "PK\1\2") {
+    const auto entry = static_cast<std::size_t>(at);
+    const std::uint64_t name = number_at(bytes, entry + 28, 2), extra = number_at(bytes, entry + 30, 2);
+    const std::uint64_t comment = number_at(bytes, entry + 32, 2);
+    if (name > 0xFFFF || extra > 0xFFFF || comment > 0xFFFF) break;
+    const std::size_t extra_end = entry + 46 + name + extra;
+    for (std::size_t field = entry + 46 + name; field + 4 <= extra_end; field += 4 + number_at(bytes, field + 2, 2)) {
+      if (number_at(bytes, field, 2) != 1) continue;
+      std::size_t large = field + 4;
+      for (const std::size_t small : {entry + 24, entry + 20, entry + 42}) {  // size, packed size, place
+        if (number_at(bytes, small, 4) != kInZip64) continue;
+        const std::uint64_t value = number_at(bytes, large, 8);
+        for (std::size_t k = 0; k < 4 && value < kInZip64; ++k) replaced[small + k] = bytes[large + k];
+        large += 8;
+      }
+    }
+    at = extra_end + comment;
+  }
+  return replaced;
+}
+
+}  // namespace
+
 // The library reads files; these functions let it read the bytes like one.
 struct Package::Stream {
   const std::string& bytes;
+  std::map<std::size_t, char> replaced;
   std::size_t at = 0;
 
   static void* open(void* self, const void*, int) { return self; }
@@ -24,6 +74,8 @@ struct Package::Stream {
     auto& s = *static_cast<Stream*>(self);
     const std::size_t n = std::min<std::size_t>(size, s.bytes.size() - s.at);
     std::memcpy(into, s.bytes.data() + s.at, n);
+    for (auto r = s.replaced.lower_bound(s.at); r != s.replaced.end() && r->first < s.at + n; ++r)
+      static_cast<char*>(into)[r->first - s.at] = r->second;
     s.at += n;
     return n;
   }
@@ -43,7 +95,7 @@ struct Package::Stream {
 };
 
 Package::Package(const std::string& bytes, std::string name)
-    : name_(std::move(name)), stream_(std::make_unique<Stream>(Stream{bytes})) {
+    : name_(std::move(name)), stream_(std::make_unique<Stream>(Stream{bytes, sizes_in_32_bits(bytes)})) {
   zlib_filefunc64_def calls{&Stream::open, &Stream::read,  &Stream::write, &Stream::tell,
                             &Stream::seek, &Stream::close, &Stream::error, stream_.get()};
   zip_ = unzOpen2_64(name_.c_str(), &calls);

@@ -14,6 +14,7 @@
 #include "package.hpp"
 #include "percent.hpp"
 #include "text_numbers.hpp"
+#include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/base/lower_case.hpp"
@@ -72,6 +73,11 @@ std::string role_of(std::string_view type) {
   return lower;
 }
 
+// JSCAD declares no namespace.
+bool is_core(std::string_view space) {
+  return space == kCore || space.empty();
+}
+
 struct Model {
   double unit_mm = 1.0;
   std::map<std::string, Object> objects;
@@ -88,8 +94,8 @@ class ModelReader {
     handler.declare = [this](std::string_view prefix, std::string_view uri) { spaces_[std::string(prefix)] = uri; };
     handler.start = [this](const XmlTag& tag) { start(tag); };
     handler.end = [this](std::string_view space, std::string_view name) {
-      if (space == kCore && name == "object") object_ = nullptr;
-      if (space == kCore && name == "metadata") end_metadata();
+      if (is_core(space) && name == "object") object_ = nullptr;
+      if (is_core(space) && name == "metadata") end_metadata();
     };
     handler.text = [this](std::string_view text) {
       if (!metadata_.empty()) metadata_text_ += text;
@@ -108,7 +114,7 @@ class ModelReader {
   void start(const XmlTag& tag) {
     line_ = tag.line;
     if (object_ != nullptr && tag.name == "beamlattice") object_->lattice_or_slices = "a beam lattice";
-    if (tag.space != kCore) return;
+    if (!is_core(tag.space)) return;
     if (tag.name == "model") return model(tag);
     if (tag.name == "object") return object(tag);
     if (tag.name == "item") return model_.build.push_back(shown(tag));
@@ -208,8 +214,8 @@ class ThreeMf {
     read_slicer_volumes();
     for (const Shown& item : root.build) show(item, Eigen::Affine3d::Identity(), source_.objects.wanted.empty(), 0);
     for (const auto& [type, count] : left_out_) {
-      source_.notes.push_back(
-          fmt::format("{} objects of the type \"{}\" are no part of the body and were left out", count, type));
+      source_.notes.push_back(fmt::format("{} of the type \"{}\" {} no part of the body and left out",
+                                          counted(count, "object"), type, agreeing(count, "is", "are")));
     }
     if (!hidden_.empty()) source_.notes.push_back(hidden_note(hidden_, hides_ranges_));
     if (result_.mesh.faces.empty() && !lattice_or_slices_.empty()) {

@@ -186,7 +186,11 @@ class SvgReader {
   static bool is_displayed(const ptree& element) {
     std::string style = attribute(element, "style");
     std::erase(style, ' ');
-    return attribute(element, "display") != "none" && style.find("display:none") == std::string::npos &&
+    const std::size_t opacity = style.find("opacity:0");  // also of fill and stroke: neither is shown
+    const bool is_clear = attribute(element, "opacity") == "0" ||
+                          (opacity != std::string::npos && (opacity == 0 || style[opacity - 1] == ';') &&
+                           style.find_first_not_of("0.", opacity + 8) == style.find_first_of(";", opacity));
+    return !is_clear && attribute(element, "display") != "none" && style.find("display:none") == std::string::npos &&
            attribute(element, "visibility") != "hidden" && style.find("visibility:hidden") == std::string::npos;
   }
 

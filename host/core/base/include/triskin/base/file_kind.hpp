@@ -11,6 +11,7 @@ namespace triskin {
 /// What a file is good for, by which a command tells its reader where it belongs.
 enum class FileUse : std::uint8_t {
   kMesh,        ///< triangles in a format that is not read
+  kPart,        ///< what `triskin design` reads
   kCad,         ///< exact geometry in a format that is not read
   kOutline,     ///< plane curves: `triskin place`
   kDrawing,     ///< plane curves in a format that is not read
@@ -36,9 +37,12 @@ struct FileKind {
 /// known. Sources are the definitions of the formats. Cost: constant, for an archive linear in its entries.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view bytes);
 
+/// Recognises a part that some command reads, which file_kind() leaves out, for one who gave it in place of a design.
+[[nodiscard]] std::optional<FileKind> part_kind(std::string_view bytes);
+
 /// "a FreeCAD document; export the part as STEP, or as a mesh (STL, OBJ, 3MF)": what a file is, and the next step for
-/// somebody who gave it where a part, an outline, a recording, a URDF (`kRobot`) or firmware was asked for. Empty for a
-/// file that file_kind() does not know and for one of the use that was asked for.
+/// somebody who gave it where a part, an outline, a recording, a design, a URDF (`kRobot`) or firmware was asked for.
+/// Empty for a file that file_kind() does not know and for one of the use that was asked for.
 [[nodiscard]] std::string not_asked_for(std::string_view bytes, FileUse asked_for);
 
 /// The names in a zip archive, in the order of its table of contents; empty if it has none that can be read.

@@ -6,8 +6,8 @@
 
 namespace triskin {
 
-/// Tells who holds the lock (flock) on the open file `fd`: "process 4711 (triskin)"; "another program" if the kernel
-/// does not say, for example on a network file system. Cost: reads /proc/locks.
+/// Tells who holds the lock (flock) on the open file `fd`: "process 4711 (triskin)", "this process"; "another program"
+/// if the kernel does not say, for example on a network file system. Cost: reads /proc/locks.
 [[nodiscard]] std::string lock_holder(int fd);
 
 /// Locks the open file `fd` for one writer until it is closed. Throws InputError with `name` and the holder when
