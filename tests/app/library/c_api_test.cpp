@@ -90,7 +90,8 @@ TEST(Library, gives_positions_of_the_design_and_pressure_of_the_scene) {
   (void)skin.read(7.0);
   ASSERT_EQ(triskin_change_counts(skin, change_counts.data(), change_counts.size()), TRISKIN_OK);
   EXPECT_NEAR(change_counts[5 * 12 + 3], kMiddle_counts, 0.02 * kMiddle_counts);
-  EXPECT_EQ(change_counts[2 * 12 + 3], 0.0);
+  // A converter reads up to 2 counts beside its value (docs/silicon.md), at the tare and now.
+  EXPECT_LE(std::abs(change_counts[2 * 12 + 3]), 4.0);
 }
 
 TEST(Library, says_what_was_wrong) {

@@ -112,6 +112,40 @@ TEST(Installed, Python_reads_a_served_simulation) {
   EXPECT_EQ(status, 0) << said;
 }
 
+// The library comes with the wheel: nothing else of the environment knows of this build.
+TEST(Installed, a_wheel_is_imported_in_a_virtual_environment) {
+  const FlashedSim sim;
+  const std::string venv = (sim.folder() / "venv").string();
+  if (shell(sim, TRISKIN_PYTHON " -m venv --system-site-packages '" + venv + "'").first != 0)
+    GTEST_SKIP() << "python3-venv is not installed; run tools/setup test";
+  const auto [made, text] =
+      shell(sim, "'" + venv + "/bin/pip' install --no-index --no-deps --config-settings=build='" TRISKIN_BUILD "' '" +
+                     test::source_folder() + "'");
+  ASSERT_EQ(made, 0) << text;
+  const auto [status, said] = shell(sim, "cd / && '" + venv +
+                                             "/bin/python' -c \"import triskin; print(triskin.__file__); "
+                                             "print(triskin.simulate('" +
+                                             sim.design_file() + "').modules)\"");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_TRUE(said.starts_with(venv)) << said;
+  EXPECT_TRUE(said.ends_with("\n8\n")) << said;
+}
+
+// Debian's Python looks there, and packagers move it all by DESTDIR.
+TEST(Installed, the_module_goes_where_the_Python_of_the_system_looks) {
+  const FlashedSim sim;
+  const std::string moved = (sim.folder() / "moved").string();
+  const auto [status, text] =
+      shell(sim, "DESTDIR='" + moved + "' cmake --install '" TRISKIN_BUILD "' --component python --prefix /usr/local");
+  ASSERT_EQ(status, 0) << text;
+  const auto [looked, folder] =
+      shell(sim, TRISKIN_PYTHON " -c \"import sys; print(*[p for p in sys.path if p.startswith('/usr/local/lib')])\"");
+  ASSERT_EQ(looked, 0) << folder;
+  const auto [found, list] = shell(sim, "ls '" + moved + folder.substr(0, folder.find_first_of(" \n")) + "'");
+  EXPECT_EQ(found, 0) << list;
+  EXPECT_TRUE(list.starts_with("triskin.")) << list;
+}
+
 // Runs the script of the docs, from a surface to a plot.
 TEST(Installed, the_hour_of_a_researcher_ends_with_a_plot) {
   const FlashedSim sim;

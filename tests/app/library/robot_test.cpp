@@ -130,7 +130,10 @@ TEST_F(RobotSkin, refuses_what_cannot_be) {
   triskin_options options = TRISKIN_OPTIONS_INIT;
   options.link = "can:none";
   EXPECT_EQ(triskin_open((folder_ / "robot.json").c_str(), &options, &skin_), TRISKIN_BAD_INPUT);
-  EXPECT_NE(std::string(triskin_error()).find("its file names their links"), std::string::npos) << triskin_error();
+  const std::string said = triskin_error();
+  EXPECT_NE(said.find("link=\"can:none\": "), std::string::npos) << said;
+  EXPECT_NE(said.find("its file names their links"), std::string::npos) << said;
+  EXPECT_EQ(said.find("--"), std::string::npos) << "an option of the program is no argument of a function: " << said;
   run("robot new mixed.json --name mixed --bus left=sim --bus right=sim:127.0.0.1:1");
   run("robot add mixed.json arm.json --name arm --bus left");
   run("robot add mixed.json leg.json --name leg --bus right");

@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include "argument_words.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/triskin.h"
@@ -31,9 +32,9 @@ triskin_status guarded(Work work) {
   try {
     return work();
   } catch (const InputError& e) {
-    return failed(TRISKIN_BAD_INPUT, e.what());
+    return failed(TRISKIN_BAD_INPUT, argument_words(e.what()));
   } catch (const Error& e) {
-    return failed(TRISKIN_DEVICE_FAILED, e.what());
+    return failed(TRISKIN_DEVICE_FAILED, argument_words(e.what()));
   } catch (const std::bad_alloc&) {
     return failed(TRISKIN_DEVICE_FAILED, "there is no memory left");
   } catch (const std::exception& e) {

@@ -135,7 +135,7 @@ std::unique_ptr<link::Link> open_link(const LinkOptions& options, const design::
   if (options.own_interrupts) catch_interrupts();
   if (link::is_in_process(options.link)) return open_sim(options, design);
   if (!options.scene.empty())
-    throw InputError("--scene belongs to --link sim and sim-usb; give the scene to triskin simulate instead");
+    throw InputError("a scene belongs to the links sim and sim-usb; give it to triskin simulate instead");
   if (options.link.starts_with("sim:"))
     return std::make_unique<hardware::TcpLink>(hardware::parse_host_port(options.link.substr(4)));
   if (options.link.find(',') != std::string::npos) return open_several(options.link);
