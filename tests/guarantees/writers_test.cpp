@@ -152,5 +152,22 @@ TEST_F(Writers, a_recording_that_replaces_another_is_the_old_one_or_begins_to_be
   }
 }
 
+// A disk of 5.5 MB: the recording ends with 4 MB left, so its last chunk and its summary fit, and the disk never is
+// full. 40 modules at 54 samples a second fill 1.5 MB long before the hour is over.
+TEST_F(Writers, a_recording_ends_whole_before_the_disk_is_full) {
+  design::write_design(folder_ / "long.json", strip(40));
+  ASSERT_EQ(run("flash long.json --link sim").status, 0);
+  const std::string record = "record long.json --link sim --seconds 3600 -o r.mcap";
+  const std::string line = "cd '" + folder_.string() + "' && " + with_faults("TRISKIN_TEST_DISK_BYTES=5500000") + "'" +
+                           program_file() + "' " + record + " 2> messages";
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
+  EXPECT_THAT(kept("messages"), HasSubstr("r.mcap: the disk has only "));
+  EXPECT_LT(std::filesystem::file_size(folder_ / "r.mcap"), 5'500'000U);
+  EXPECT_GT(std::filesystem::file_size(folder_ / "r.mcap"), 1'400'000U);
+  const Outcome played = run("replay r.mcap --speed 0 --json");
+  EXPECT_EQ(played.status, 0) << played.messages;
+  EXPECT_THAT(played.out, HasSubstr("\"complete\":true"));
+}
+
 }  // namespace
 }  // namespace triskin::test

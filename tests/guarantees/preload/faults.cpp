@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A test loads this library before the program (LD_PRELOAD). It shifts the wall clock while the program runs, as a
 // person or NTP does, by the seconds in the file TRISKIN_TEST_WALL, and makes the TRISKIN_TEST_FAIL_AT-th change of a
-// regular file, and all later ones, fail with the error TRISKIN_TEST_FAIL_ERRNO: a full or broken disk.
+// regular file, and all later ones, fail with the error TRISKIN_TEST_FAIL_ERRNO: a full or broken disk. A disk of
+// TRISKIN_TEST_DISK_BYTES has that much less what the program wrote, and is full after it.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 #include <time.h>
@@ -45,6 +47,25 @@ bool fails() {
   return true;
 }
 
+std::atomic<std::int64_t> written_bytes = 0;
+
+// No disk has this size, unless the test says one.
+std::int64_t disk_bytes() {
+  static const std::int64_t kSize = [] {
+    const char* text = std::getenv("TRISKIN_TEST_DISK_BYTES");
+    return text == nullptr ? std::int64_t{-1} : std::strtoll(text, nullptr, 10);
+  }();
+  return kSize;
+}
+
+// Returns true when these bytes do not fit on the disk; errno is set then.
+bool overflows(size_t size) {
+  if (disk_bytes() < 0) return false;
+  if ((written_bytes += static_cast<std::int64_t>(size)) <= disk_bytes()) return false;
+  errno = ENOSPC;
+  return true;
+}
+
 bool is_regular(int fd) {
   struct stat status{};
   return ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
@@ -75,12 +96,12 @@ time_t time(time_t* out) noexcept {
 }
 
 ssize_t write(int fd, const void* bytes, size_t size) {
-  if (size > 0 && is_regular(fd) && fails()) return -1;
+  if (size > 0 && is_regular(fd) && (fails() || overflows(size))) return -1;
   return ::syscall(SYS_write, fd, bytes, size);
 }
 
 ssize_t pwrite64(int fd, const void* bytes, size_t size, off64_t offset) {
-  if (is_regular(fd) && fails()) return -1;
+  if (is_regular(fd) && (fails() || overflows(size))) return -1;
   return ::syscall(SYS_pwrite64, fd, bytes, size, offset);
 }
 ssize_t pwrite(int fd, const void* bytes, size_t size, off_t offset) {
@@ -103,6 +124,20 @@ int fsync(int fd) {
 int rename(const char* from, const char* to) noexcept {
   if (fails()) return -1;
   return static_cast<int>(::syscall(SYS_rename, from, to));
+}
+
+int statvfs(const char* path, struct statvfs* status) noexcept {
+  struct statvfs64 whole{};
+  const int result = statvfs64(path, &whole);
+  if (result != 0) return result;
+  *status = {};
+  status->f_bsize = status->f_frsize = 1;
+  status->f_blocks = status->f_bfree = status->f_bavail = static_cast<fsblkcnt_t>(whole.f_bavail * whole.f_frsize);
+  if (disk_bytes() >= 0) {
+    const std::int64_t left = disk_bytes() - written_bytes;
+    status->f_bfree = status->f_bavail = static_cast<fsblkcnt_t>(left < 0 ? 0 : left);
+  }
+  return 0;
 }
 
 }  // extern "C"
