@@ -24,6 +24,7 @@ hardware::Scene switched_scene(const design::Design& design) {
   s.design = design;
   s.switched = true;
   s.effects.taxel_spread_counts = 3000;  // Every taxel of every module has another rest value.
+  s.effects.converters.drawn = false;    // Exact values tell the modules apart.
   return s;
 }
 

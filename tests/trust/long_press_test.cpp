@@ -80,7 +80,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   EXPECT_TRUE(monitor.touches().pressed().empty()) << "no ghost is left behind";
   stream.finish();
   EXPECT_EQ(stream.lost(), 0U);
-  EXPECT_GT(stream.frames(), 32'000U) << "two modules each 36.9 ms for 600 s and more";
+  EXPECT_GT(stream.frames(), 29'500U) << "two modules each 36.9 ms, or a tenth longer, for 600 s and more";
 }
 INSTANTIATE_TEST_SUITE_P(Cases, LongPress,
                          testing::Values(Press{"firm", 2.0, 0.0}, Press{"light", 0.4, 0.0},
