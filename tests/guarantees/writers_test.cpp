@@ -159,7 +159,7 @@ TEST_F(Writers, a_recording_ends_whole_before_the_disk_is_full) {
   ASSERT_EQ(run("flash long.json --link sim").status, 0);
   const std::string record = "record long.json --link sim --seconds 3600 -o r.mcap";
   const std::string line = "cd '" + folder_.string() + "' && " + with_faults("TRISKIN_TEST_DISK_BYTES=5500000") + "'" +
-                           program_file() + "' " + record + " 2> messages";
+                           program_file() + "' " + record + " > messages 2>&1";
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
   EXPECT_THAT(kept("messages"), HasSubstr("r.mcap: the disk has only "));
   EXPECT_LT(std::filesystem::file_size(folder_ / "r.mcap"), 5'500'000U);
