@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// On each way into a slot — broadcast, loader, DFU — each wrong image is refused with its reason, and what ran before
-// is what starts. docs/decisions.md, 0041, says which way compares versions.
+// On each way into a slot (broadcast, loader, DFU) each wrong image is refused with its reason, and what ran before is
+// what starts. docs/decisions.md, 0041, says which way compares versions.
 #include <gtest/gtest.h>
 
 #include "firmware_image.hpp"

@@ -198,5 +198,28 @@ TEST(Loss, a_controller_that_was_away_is_noticed_in_half_a_second_and_counted) {
   EXPECT_NEAR(static_cast<double>(patch[1].lost()), 3 * 1.5e6 / kSequence_us, 0.1 * due);
 }
 
+// Three of four cables are pulled. Five attempts each would take 15 times the wait for an answer at the end.
+TEST(Loss, silent_controllers_are_asked_once_at_the_end) {
+  SharedSkin hub(strip_scene(8, 2));
+  hub.flash();
+  SharedSkin::Client link(hub);
+  session::Bus bus(link);
+  session::Stream stream(bus, hub.design(), {}, {});
+  stream.run_until(bus.now_us() + 500'000);
+  link.lose = [](const wire::CanFrame& f) {
+    const auto t = wire::decode_full(f);
+    const bool is_answer = f.extended && (f.id & 0x1FFFFF00U) == wire::physical_id(wire::kTesterAddress, 0);
+    return (t.has_value() && t->node_address > 1) || (is_answer && (f.id & 0xFF) > 1);
+  };
+  stream.run_until(bus.now_us() + 1'500'000);
+  const std::uint64_t before_us = bus.now_us();
+  stream.finish();
+  EXPECT_LT(bus.now_us() - before_us, 2 * 3 * link.answer_us());
+  std::map<int, session::SampleCounts> patch;
+  for (const session::ModuleCounts& m : stream.report().modules) patch[m.patch] += m.counts;
+  EXPECT_EQ(patch[0].lost(), 0U) << "the one that answers owes nothing";
+  for (const int p : {1, 2, 3}) EXPECT_GT(patch[p].lost(), 0U) << p;
+}
+
 }  // namespace
 }  // namespace triskin::deploy

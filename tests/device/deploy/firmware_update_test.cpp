@@ -7,12 +7,15 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <deque>
 #include <fstream>
 
 #include "device/deploy/firmware_file.hpp"
 #include "support/device_fixture.hpp"
 #include "support/faulty_link.hpp"
+#include "triskin/link/forwarding_link.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::deploy {
 
@@ -124,6 +127,48 @@ TEST(FirmwareUpdate, a_lost_frame_ends_the_update_and_the_controller_answers_at_
     EXPECT_NE(update_firmware(bus, claim, new_one).slot, -1) << frames;
   }
   EXPECT_GT(failed, 10);
+}
+
+/// Before each answer of the loader come frames of others: short ones, replies to other commands, other identifiers.
+class BusyLink final : public link::ForwardingLink {
+ public:
+  explicit BusyLink(link::Link& inner) : ForwardingLink(inner) {}
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {
+    if (!waiting_.empty()) {
+      const wire::CanFrame frame = waiting_.front();
+      waiting_.pop_front();
+      return frame;
+    }
+    const auto frame = ForwardingLink::receive(until_us);
+    if (!frame || frame->id != wire::loader::kReplyId) return frame;
+    ++replies;
+    const auto other = [&](std::uint32_t id, std::uint8_t command, std::uint8_t size) {
+      wire::CanFrame f = *frame;
+      f.id = id;
+      f.data[0] = command;
+      f.data[1] = static_cast<std::uint8_t>(Status::kFlashFailed);
+      f.size = size;
+      return f;
+    };
+    const std::uint8_t command = frame->data[0];
+    waiting_ = {other(wire::loader::kReplyId, static_cast<std::uint8_t>(command + 1), frame->size),
+                other(0x18DAF105, command, frame->size), *frame};
+    return other(wire::loader::kReplyId, command, 1);
+  }
+  int replies = 0;
+
+ private:
+  std::deque<wire::CanFrame> waiting_;
+};
+
+TEST(FirmwareUpdate, other_traffic_is_not_taken_for_the_loaders_reply) {
+  Fixture fixture(6);
+  fixture.flash();
+  BusyLink busy(fixture.bus().link());
+  session::Bus bus(busy);
+  EXPECT_EQ(update_firmware(bus, bus.discover().at(0), make(4096, 1)).slot, 0);
+  // Hello, select, erase, 4096 / 8 / 32 replies to data, commit.
+  EXPECT_EQ(busy.replies, 3 + 16 + 1);
 }
 
 TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/device_fixture.hpp"
+#include "support/temp_folder.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 
@@ -78,6 +79,31 @@ TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
   Fixture fixture(6);
   EXPECT_THROW((void)flash(fixture.bus(), test::strip(12, 6)), DeviceError);
   EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
+}
+
+TEST(Flash, one_patch_alone_gets_its_table_and_the_others_keep_theirs) {
+  Fixture fixture(12, 4);
+  fixture.flash();
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // The controllers find and store their offsets.
+  std::array<std::uint64_t, 3> before{};
+  for (std::size_t p = 0; p < 3; ++p) before.at(p) = fixture.skin().flash(p).operations();
+  FlashOptions options;
+  options.force = true;
+  options.patch = layout::PatchIndex{2};
+  const FlashResult r = fixture.flash(options);
+  ASSERT_EQ(r.patches.size(), 1U);
+  EXPECT_EQ(r.patches[0].patch, layout::PatchIndex{2});
+  EXPECT_TRUE(r.patches[0].written);
+  for (std::size_t p = 0; p < 3; ++p) {
+    EXPECT_EQ(fixture.skin().flash(p).operations() > before.at(p), p == 2) << p;
+  }
+}
+
+TEST(Flash, a_patch_that_the_design_does_not_have_is_refused) {
+  Fixture fixture(12, 4);
+  FlashOptions options;
+  options.patch = layout::PatchIndex{3};
+  EXPECT_INPUT_ERROR((void)fixture.flash(options), "--patch 3: the design has patches 0 … 2");
 }
 
 TEST(Flash, spare_controllers_make_room) {

@@ -16,6 +16,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -37,8 +38,33 @@ struct Entry {
   bool json = false;
 };
 
+// Cuts the middle out of what is longer than `max` bytes between two of `separators`, at the border of a character.
+std::string shortened(std::string_view text, std::string_view separators, std::size_t max) {
+  const auto border = [](std::string_view part, std::size_t at) {
+    while (at > 0 && at < part.size() && (static_cast<unsigned char>(part[at]) & 0xC0) == 0x80) --at;
+    return at;
+  };
+  std::string out;
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find_first_of(separators));
+    if (part.size() <= max)
+      out += part;
+    else
+      out.append(part.substr(0, border(part, max / 2)))
+          .append("…")
+          .append(part.substr(border(part, part.size() - max / 4)));
+    text.remove_prefix(part.size());
+    if (text.empty()) break;
+    out += text.front();
+    text.remove_prefix(1);
+  }
+  return out;
+}
+
+// What a message repeats of a file or of the command line may be as long as the file.
 int fail(const std::string& what, int status) {
-  say_aside(what);
+  constexpr std::size_t kMaxWord_bytes = 400, kMaxLine_bytes = 2'000;
+  say_aside(shortened(shortened(what, " \n", kMaxWord_bytes), "\n", kMaxLine_bytes));
   return status;
 }
 

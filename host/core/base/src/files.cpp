@@ -23,9 +23,17 @@
 namespace triskin {
 namespace {
 
+// Throws what was refused with this errno. The remedy of a limit is to raise it.
+[[noreturn]] void refuse(const std::string& what, int cause, const std::string& remedy) {
+  if (cause == EMFILE || cause == ENFILE)
+    throw ResourceError(what + "; end other programs, or allow more open files (ulimit -n)");
+  if (cause == EFBIG) throw InputError(what + "; allow larger files (ulimit -f)");
+  throw InputError(what + remedy);
+}
+
 [[noreturn]] void fail_write(const std::filesystem::path& path, const char* step, int cause) {
-  throw InputError(fmt::format("{}: cannot write ({}: {}); nothing was changed, check the folder and its permissions",
-                               path.string(), step, std::strerror(cause)));
+  refuse(fmt::format("{}: cannot write ({}: {}); nothing was changed", path.string(), step, std::strerror(cause)),
+         cause, ", check the folder and its permissions");
 }
 
 // Returns 0 or the errno of the first failure.
@@ -86,8 +94,8 @@ std::string read_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     const int cause = errno;
-    throw InputError(fmt::format("{}: cannot read ({}){}", path.string(), std::strerror(cause),
-                                 cause == ENOENT ? similar_file(path) : ""));
+    refuse(fmt::format("{}: cannot read ({})", path.string(), std::strerror(cause)), cause,
+           cause == ENOENT ? similar_file(path) : "");
   }
   std::string bytes;  // The size is known except for a pipe; the buffer is then filled in one piece.
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {

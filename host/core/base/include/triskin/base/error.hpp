@@ -9,7 +9,7 @@ namespace triskin {
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Returns the exit status of the command line: 2 for unusable input, 3 for a device or link.
+  /// Returns the exit status of the command line: 2 for unusable input, 3 for a device, a link or a lack of resources.
   [[nodiscard]] virtual int exit_status() const { return 2; }
 };
 
@@ -21,6 +21,13 @@ class InputError : public Error {
 
 /// Reports that a device or a link failed: device, operation, address and cause.
 class DeviceError : public Error {
+ public:
+  using Error::Error;
+  [[nodiscard]] int exit_status() const override { return 3; }
+};
+
+/// Reports that the computer, or a limit of the shell, has no more of something: which, and how to get more.
+class ResourceError : public Error {
  public:
   using Error::Error;
   [[nodiscard]] int exit_status() const override { return 3; }
