@@ -159,7 +159,7 @@ TEST(DuplicateCheck, ADuplicateIsConfirmedByOneComparison) {
 
 // A chip drawn from the ranges of docs/silicon.md, all at once: steps of 900 … 1,400 counts, those of the other input
 // up to a tenth off, each DAC bent by up to 5 % and each code off by up to 5 % of a step, zero error ± 200 counts,
-// path 0 … 400 counts with ± 20 from pin to pin, gains that differ by up to 2 % between the inputs and by up to ± 0.2 %
+// path 0 … 400 counts with ± 20 from pin to pin, gains that differ by up to 2 % between inputs and by up to 0.2 %
 // from stage to stage at each, a converter that is curved by up to 50 counts at its ends, noise of twice the data
 // sheet's 12 counts peak to peak.
 class DrawnChip {

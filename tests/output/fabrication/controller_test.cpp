@@ -56,9 +56,9 @@ TEST(Controller, TransceiverStandsTheBitRateAndItsSupply) {
 }
 
 // A line of a full patch of switched modules has 60 pF/m · 0.5 m + 15 · 2 pF + 4 · 10 pF + 12 · 6 pF = 172 pF
-// (docs/routing.md): 300 ns from 30 to 70 % ask for 300 ns / (0.8473 · 172 pF) = 2,059 Ω or less. The least is 967 Ω:
+// (docs/routing.md): 300 ns from 30 to 70 % ask for 300 ns / (0.8473 · 172 pF) = 2,059 Ω or less. The least is 967:
 // 3 mA at 0.4 V (UM10204, table 10). What the AD7147's SDA sinks is not known to us; at 1 mA at 0.4 V it would be a
-// switch of 400 Ω, which has to leave a tenth of the supply below the STM32's 0.3 · VDD (UM10204, 3.1.4: 0.1 VDD).
+// switch of 400 Ω, which has to leave a tenth of the supply below the STM32's 0.3 VDD (UM10204, table 10: V_nL).
 TEST(Controller, PullUpsChargeAFullPatchAndLeaveAConverterItsLevel) {
   std::map<std::string, double> pull_up_ohm;
   for (const NetPin& p : controller_nets()) {

@@ -70,7 +70,7 @@ TEST(Converters, EachPropertyChangesTheResultAsItSays) {
   EXPECT_EQ(converted({.zero_counts = -20}, kNegative, 0), 0x8000 - 2000 - 20);
   EXPECT_EQ(converted({.neg_extra_counts = 200}, kNegative, 0), 0x8000 - 2000 - 200);
   EXPECT_EQ(converted({.neg_extra_counts = 200}, kPositive, 0), 0x8000 + 2000);
-  // A gain acts on what is left of the electrode: 2,000 − 3,000 at the positive input, 3,000 − 2,000 at the other one.
+  // A gain acts on what is left of the electrode: 2,000 − 3,000 at the positive input, 3,000 − 2,000 at the other.
   EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kNegative, 3), 0x8000 + 1020);
   EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kPositive, 3), 0x8000 - 1000);
   // 2,000 of 32,768 counts above the middle are 0.061 of the way: 0.00373 of 5,000 counts are 18.6, at either input.
@@ -88,8 +88,8 @@ TEST(Converters, EachStageMayHaveAGainOfItsOwnAtEachInput) {
 }
 
 // Tracks of a line with 1,000 counts to the pad, four lines that are busy for 30 % of the time: of the 3 · 256 samples
-// of a result each sees one of either sign, so it deviates by 1,000 · √(1.2 / 768) = 39.5 counts; at decimation 64 by
-// twice as much. The deviation of 4,000 results is known to 3 · 1 / √(2 · 4,000) = 3.4 %.
+// of a result each sees one of either sign, so it deviates by 1,000 · √(1.2 / 768) = 39.5 counts; at decimation 64
+// by twice as much. The deviation of 4,000 results is known to 3 · 1 / √(2 · 4,000) = 3.4 %.
 TEST(Converters, ABusUnderThePadsIsNoiseThatFallsWithTheDecimation) {
   for (const auto& [decimation, sequence_us, expected] :
        {std::tuple{0U, 36'900U, 39.5}, {1U, 18'400U, 55.9}, {2U, 9'200U, 79.1}}) {

@@ -155,9 +155,9 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
       least_ohm = std::max(least_ohm, line.pull_up_min_ohm);
       most_ohm = std::min(most_ohm, line.pull_up_max_ohm);
     }
-    output.say(
-        fmt::format("patch {}: supply {:.2f} V at module {}, the lowest (needed: {:.2f}); pull-ups {:.0f} … {:.0f} Ω",
-                    p, lowest.volts, lowest.module, design::SupplyModel{}.needed_v(), least_ohm, most_ohm));
+    output.say(fmt::format(
+        "patch {}: supply {:.2f} V at module {}, the lowest (needed: {:.2f}); pull-ups of {:.0f} … {:.0f} Ω", p,
+        lowest.volts, lowest.module, design::SupplyModel{}.needed_v(), least_ohm, most_ohm));
   }
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {}, which deviate by at most {:.3f} mm; measured on all",
@@ -251,8 +251,6 @@ int run(Options options, Output& output) {
   catch_interrupts();
   require_design_output(options.output);
   options.verbosity.apply(output);
-  if (options.mesh.ends_with(".json"))
-    throw InputError(fmt::format("{}: a design, not a mesh; triskin edit changes a design", options.mesh));
   read_files(options);
   auto [d, notes] = pipeline::make_design(options.mesh, options.design, output.progress());
   if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);

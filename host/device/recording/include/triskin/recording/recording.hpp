@@ -43,8 +43,8 @@ struct Summary {
   /// The text is that of what the controllers said of the rest; if it is empty, they said nothing.
   std::string settled_text;
   std::vector<ReaderChange> reader_changes;  ///< in the order of the file
-  std::uint64_t samples = 0;                ///< Every sample of a module counts.
-  std::uint64_t first_us = 0, last_us = 0;  ///< These are the link's times at the first and the last sample.
+  std::uint64_t samples = 0;                 ///< Every sample of a module counts.
+  std::uint64_t first_us = 0, last_us = 0;   ///< These are the link's times at the first and the last sample.
   mcap::ReadReport file;
 };
 

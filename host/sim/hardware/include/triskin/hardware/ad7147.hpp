@@ -53,8 +53,8 @@ struct Ad7147Behaviour {
   double noise = 1.0;          ///< as a share of the data sheet's, if set_noise() switched it on
   double wander_counts = 0.0;  ///< amplitude of slow noise, for which a wave of 4 s stands
   double period_error = 0.0;   ///< the oscillator is slower by this share
-  /// What the tracks of each I²C line have to a pad above them if no shield lies between. 64 to 256 times three samples
-  /// of a result see it with either sign while a line is busy.
+  /// What the tracks of each I²C line have to a pad above them if no shield lies between: each of the samples of a
+  /// result (three times the decimation) sees it with either sign while a line is busy.
   double bus_coupling_counts = 0.0;
   double first_error_counts = 0.0;  ///< results of the first sequence after a restart are off by up to ± this
   std::uint64_t serial = 0;         ///< what is drawn for each pin and code depends on it
