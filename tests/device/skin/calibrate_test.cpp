@@ -345,7 +345,7 @@ class SpreadSkin {
   }
   // Returns the force of all present presses.
   [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const design::RestValues& rest) {
-    skin::TouchMap map(design(), rest);
+    skin::TouchMap map(design(), {rest, {}});
     session::Stream stream(*bus_, design(), [&](const session::ModuleSample& f) { map.add(f); });
     stream.run_until(bus_->now_us() + kLook_us);
     stream.finish();
