@@ -15,7 +15,7 @@ constexpr double kMargin_mm = 12.0;  // Queries farther out than this are rare a
 constexpr double kLargestVoxel_mm = 3.0;
 constexpr double kSmallestVoxel_mm = 2.0;
 constexpr double kMaxVoxels = 6e6;
-constexpr std::size_t kMaxCandidates = 24;
+constexpr std::size_t kMaxCandidates = 96;
 
 }  // namespace
 

@@ -34,7 +34,11 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
 Overlap overlap_of_triangles(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;
-  if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kBodiesBelow) return result;
+  if (const double squared = between.squaredNorm(); squared > kApart_mm * kApart_mm) {
+    result.apart_mm = std::sqrt(squared) - kApart_mm;
+    return result;
+  }
+  if (a.normal.dot(b.normal) < kBodiesBelow) return result;
   const Vec3 n = a.normal + b.normal;
   const double layer = n.dot(between);
   if (layer * layer > kLayer_mm * kLayer_mm * n.squaredNorm()) return result;
@@ -48,15 +52,19 @@ Overlap overlap_of_triangles(const NetTriangle& a, const NetTriangle& b, int& fi
     const int deepest = d[0] < d[1] ? (d[0] < d[2] ? 0 : 2) : (d[1] < d[2] ? 1 : 2);
     const double inside = out.dot(t[at(from)]) - d[at(deepest)];
     if (inside <= 0.0) {
+      constexpr double kLongest_mm = 2.0 * kSide_mm;  // A side times two unit normals.
       first_axis = side;
-      return {};
+      result = {};
+      result.apart_mm = -inside / kLongest_mm;
+      return result;
     }
     const double length = out.norm();
     if (inside >= least * length) continue;
     least = inside / length;
     const bool near_end = (2.0 * other[at(deepest)] - t[at(from)] - t[at(to)]).dot(along) > 0.0;
     const int corner = near_end ? to : from;
-    result = of_a ? Overlap{least, out / length, corner, deepest} : Overlap{least, -out / length, deepest, corner};
+    result =
+        of_a ? Overlap{least, out / length, corner, deepest, 0.0} : Overlap{least, -out / length, deepest, corner, 0.0};
   }
   return result;
 }

@@ -13,6 +13,7 @@ struct Pair {
   int a, b;
   bool in_fan;  ///< Both are joined to one triangle between them, so they hardly overlap while the joints hold.
   int axis = 0;
+  double apart_until_mm = 0.0;  ///< The relaxer need not look at it before corners have moved this far in all.
 };
 
 /// Holds the depth by which two rigid modules overlap, and the motion that reduces it: corner `corner_a` of a against
@@ -21,6 +22,8 @@ struct Overlap {
   double depth_mm = 0.0;
   Vec3 axis = Vec3::Zero();
   int corner_a = 0, corner_b = 0;
+  /// If positive, the modules are at least this far apart, on two sides of a plane or by their distance.
+  double apart_mm = 0.0;
 };
 
 /// Tests separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines the overlap up to 101.5°

@@ -17,6 +17,9 @@ constexpr std::array kFarOff_mm{3.0, 2.4, 1.8, 1.2};
 constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // The corners of a module are this far from its centre.
 constexpr double kPair_mm = 38.0;  // Modules with centroids nearer than this may come to overlap while sliding.
 constexpr double kAllowedOverlap_mm = 0.1;
+// Both modules of a pair move, and a corner of a module by little more than the corners of the net that it is fitted
+// to.
+constexpr double kShareOfGap = 0.3;
 constexpr double kSettled_mm = 0.02;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
@@ -35,6 +38,7 @@ double squared_way(const Vec3& chord, double cosine) {
 
 bool Relaxer::relax(LatticeMesh& net, int triangle, double radius_mm, int steps) {
   overhang_mm_ = design::cut_height_mm(net.corner_cut_mm());
+  way_mm_ = 0.0;
   choose(net, triangle, radius_mm);
   find_pairs(net);
   bool hope = true;
@@ -145,9 +149,10 @@ void Relaxer::add_edges(const LatticeMesh& net) {
 
 void Relaxer::add_pairs(const LatticeMesh& net) {
   for (Pair& pair : pairs_) {
-    if (pair.in_fan) continue;
+    if (pair.in_fan || way_mm_ < pair.apart_until_mm) continue;
     const NetTriangle &p = net.triangles()[at(pair.a)], &q = net.triangles()[at(pair.b)];
     const Overlap o = overlap_of(p, q, pair.axis);
+    pair.apart_until_mm = way_mm_ + kShareOfGap * o.apart_mm;
     if (o.depth_mm <= kAllowedOverlap_mm) continue;
     // The whole module yields, the touching corner most.
     add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {p.vertex[at(o.corner_a)], q.vertex[at(o.corner_b)]},
@@ -248,6 +253,7 @@ double Relaxer::step(LatticeMesh& net) {
     move(net, m, by);
   }
   for (const int t : triangles_) net.fit_for_now(t);
+  way_mm_ += largest;
   return largest;
 }
 

@@ -64,6 +64,7 @@ class Relaxer {
 
   NearSurface& surface_;
   double lift_mm_;
+  double way_mm_ = 0.0;       // The largest motions of the steps so far, added up.
   double overhang_mm_ = 0.0;  // Corners may overhang the border by this much because they are cut off.
   std::vector<int> local_;    // Maps a vertex to its index among the moving ones, or -1.
   std::vector<Moving> moving_;

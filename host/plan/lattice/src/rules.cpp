@@ -192,7 +192,8 @@ bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const
            pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm);
   if ((a.center - b.center).squaredNorm() > 16.0 / 9.0 * kHeight_mm * kHeight_mm) return false;
   const Overlap o = overlap_of(a, b, axis);
-  return o.depth_mm > limits_.penetration_mm || pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm);
+  return o.depth_mm > limits_.penetration_mm ||
+         (!(o.apart_mm > 0.0) && pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm));
 }
 
 bool Rules::over_border(NearSurface& surface, const LatticeMesh& net, int triangle) const {
