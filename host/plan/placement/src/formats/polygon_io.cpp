@@ -228,7 +228,7 @@ void clean_ring(std::vector<Vec2>& ring, const std::string& name, std::size_t in
   for (std::size_t v = 0; v < ring.size(); ++v) {
     if (!ring[v].allFinite() || ring[v].cwiseAbs().maxCoeff() > kLargestCoordinate_mm) {
       fail(name,
-           fmt::format("{}, vertex {} lies at ({:g}, {:g}); coordinates may be up to 1e8 mm (100 km) from 0. Move "
+           fmt::format("{}, vertex {} lies at ({:.10g}, {:.10g}); coordinates may be up to 1e8 mm (100 km) from 0. Move "
                        "the outline to the origin, and check that it is in mm",
                        ring_name(index), v, ring[v].x(), ring[v].y()));
     }

@@ -32,7 +32,7 @@ struct SearchGoal {
   int threads = 0;  ///< 0 uses all cores; no answer depends on the number.
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   double memory_limit_bytes = 2e9;      ///< The open cells may take this much memory.
-  double unpacked_bytes = 64e6;         ///< Above this their lists are packed, and edges are looked up twice.
+  double unpacked_bytes = 24e6;         ///< Above this their lists are packed, and edges are looked up twice.
   std::int64_t max_closed = INT64_MAX;  ///< `closed` is called at most about this often.
 };
 
