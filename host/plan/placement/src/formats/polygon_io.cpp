@@ -227,10 +227,10 @@ class WktReader {
 void clean_ring(std::vector<Vec2>& ring, const std::string& name, std::size_t index) {
   for (std::size_t v = 0; v < ring.size(); ++v) {
     if (!ring[v].allFinite() || ring[v].cwiseAbs().maxCoeff() > kLargestCoordinate_mm) {
-      fail(name,
-           fmt::format("{}, vertex {} lies at ({:.10g}, {:.10g}); coordinates may be up to 1e8 mm (100 km) from 0. Move "
-                       "the outline to the origin, and check that it is in mm",
-                       ring_name(index), v, ring[v].x(), ring[v].y()));
+      fail(name, fmt::format(
+                     "{}, vertex {} lies at ({:.10g}, {:.10g}); coordinates may be up to 1e8 mm (100 km) from 0. Move "
+                     "the outline to the origin, and check that it is in mm",
+                     ring_name(index), v, ring[v].x(), ring[v].y()));
     }
   }
   ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
