@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A computer that has no more to give — open files, memory, file size — and giant input: each command ends by itself,
+// A computer that has no more to give (open files, memory, file size) and giant input: each command ends by itself,
 // with a sentence that a person can read.
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -103,7 +103,8 @@ TEST_F(Want, giant_strings_are_shortened_in_messages) {
     for (std::size_t k = 0; k < times; ++k) text += word;
     return text;
   };
-  for (const std::string& giant : {std::string(3'000'000, 'y'), repeated("ab ", 1'000'000), repeated("€", 1'000'000)}) {
+  const std::string letters(3'000'000, 'y');
+  for (const std::string& giant : {letters, repeated("ab ", 1'000'000), repeated("€", 1'000'000)}) {
     write_output(folder_ / "giant.json", "{\"" + giant + "\":1," + read_file(folder_ / "strip.json").substr(1));
     for (const char* command : {"check giant.json", "verify giant.json --link sim", "export giant.json -o x.svg"}) {
       const Outcome ended = run(command);
