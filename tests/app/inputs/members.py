@@ -71,8 +71,8 @@ def mesh_xml(mesh):
             + "".join('<triangle v1="%d" v2="%d" v3="%d"/>' % t for t in f) + "</triangles></mesh>")
 
 
-def three_mf(objects, build, more=None, attributes=""):
-    model = (f'<?xml version="1.0"?><model unit="millimeter" xmlns="{CORE}" {attributes}><resources>{objects}</resources>'
+def three_mf(objects, build, more=None, attributes="", namespace=f'xmlns="{CORE}"'):
+    model = (f'<?xml version="1.0"?><model unit="millimeter" {namespace} {attributes}><resources>{objects}</resources>'
              f"<build>{build}</build></model>")
     return zipped({"_rels/.rels": '<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
                    '<Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>',

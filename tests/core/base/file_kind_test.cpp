@@ -27,7 +27,7 @@ TEST(FileKind, is_told_by_content) {
       {zip_with("cover.stl"), "a zip archive with cover.stl in it"},
       {zip_with("Document.xml"), "a FreeCAD document"},
       {zip_with("a.usdc"), "a USD scene (USDZ)"},
-      {zip_with("v.npy"), "arrays of NumPy"},
+      {zip_with("v.npy"), "an archive of NumPy arrays"},
       {"BM\x36\0\0\0\0\0\0\0"s, "a BMP picture"},
       {"RIFF\x10\0\0\0WEBPVP8 "s, "a WebP picture"},
       {"\0\0\0\x18"

@@ -150,6 +150,7 @@ class Skin {
   }
 
   py::array_t<triskin_sample> read(double seconds) {
+    if (!(seconds >= 0.0)) throw BadInput("read: seconds must be 0 or more");
     constexpr double kSlice_s = 0.05;
     constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 have a resolution of 0.24 µs, and links count whole µs.
     std::vector<triskin_sample> all = std::exchange(kept_, {});
@@ -343,15 +344,19 @@ bool is_recording(const std::string& file) {
   return in && std::string_view(magic.data(), magic.size()) == "\x89MCAP";
 }
 
-// The name of a file as Python gives it: text, bytes or os.PathLike; None is no file.
+// The name of a file as Python gives it: text, bytes or os.PathLike.
 std::string path_of(const py::object& path) {
-  if (path.is_none()) return {};
-  return py::cast<std::string>(py::module_::import("os").attr("fsencode")(path));
+  std::string file = py::cast<std::string>(py::module_::import("os").attr("fsencode")(path));
+  if (file.empty()) throw BadInput("the name of the file is empty");
+  return file;
+}
+std::string path_or_none(const py::object& path) {
+  return path.is_none() ? std::string() : path_of(path);
 }
 
 py::object open_file(const py::object& path, const std::optional<std::string>& link_or_none,
                      const py::object& scene_path, int every, bool overload, double queue_s) {
-  const std::string file = path_of(path), link = link_or_none.value_or(""), scene = path_of(scene_path);
+  const std::string file = path_of(path), link = link_or_none.value_or(""), scene = path_or_none(scene_path);
   if (!is_recording(file)) return py::cast(std::make_unique<Skin>(file, link, scene, every, overload, queue_s));
   if (!link.empty() || !scene.empty())
     throw BadInput(file +
@@ -368,7 +373,7 @@ std::unique_ptr<Skin> simulate(const py::object& path, const py::object& scene, 
     status = triskin_flash_simulation(file.c_str());
   }
   check(status);
-  return std::make_unique<Skin>(file, "sim", path_of(scene), every, false, 10.0);
+  return std::make_unique<Skin>(file, "sim", path_or_none(scene), every, false, 10.0);
 }
 
 void add_skin(py::module_& m) {

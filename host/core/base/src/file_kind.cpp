@@ -282,7 +282,7 @@ std::optional<FileKind> zip_kind(std::string_view bytes) {
   if (has("Document.xml")) return FileKind{"a FreeCAD document", kCad};
   if (any(".usdc") || any(".usda") || any(".usd")) return FileKind{"a USD scene (USDZ)", kMesh};
   if (any(".model")) return std::nullopt;
-  if (any(".npy")) return FileKind{"arrays of NumPy", kTable};
+  if (any(".npy")) return FileKind{"an archive of NumPy arrays", kTable};
   if (any(".f3d") || any("manifest.dat")) return FileKind{"a Fusion document", kCad};
   if (has("[Content_Types].xml")) return FileKind{"a document of an office program", kOther};
   constexpr std::size_t kShown = 3;
@@ -328,7 +328,7 @@ std::string next_step(const FileKind& kind, FileUse asked_for) {
       if (kind.use == kCad) return "export the part as STEP, or as a mesh (STL, OBJ, 3MF)";
       if (kind.use == kMesh) return "export it as OBJ, STL, 3MF or glTF";
       if (kind.use == kOutline) return "it belongs to \"triskin place\"; a cover needs a surface in space (STL, STEP)";
-      if (kind.use == kDesign) return "give the mesh that it was made from";
+      if (kind.use == kDesign) return "give the mesh that it was made from; \"triskin edit\" changes a design";
       return "give a mesh (OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF) or a part in STEP or IGES";
     case kOutline:
       return "give a polygon in WKT or GeoJSON, or a drawing in DXF or SVG";

@@ -399,6 +399,8 @@ void read_refused(const JsonValue& v, ModuleLayout& layout) {
 }  // namespace
 
 Design parse_design(const std::string& text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(fmt::format("{}: the file is empty", file));
   if (!begins_as_json_object(text)) {
     const std::string what = not_asked_for(text, FileUse::kDesign);
     throw InputError(fmt::format("{}: is {}", file,

@@ -51,7 +51,8 @@ class Examiner : public nlohmann::json_sax<nlohmann::json> {
   bool parse_error(std::size_t position, const std::string& /*token*/,
                    const nlohmann::json::exception& error) override {
     const std::size_t first = text_.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && text_[first] != '{' && text_[first] != '[') {
+    if (first == std::string::npos) throw InputError(fmt::format("{}: is not JSON: it is empty", file_));
+    if (text_[first] != '{' && text_[first] != '[') {
       auto kind = file_kind(text_);
       if (!kind) kind = part_kind(text_);
       if (kind) throw InputError(fmt::format("{}: is {}, where a file in JSON is wanted", file_, kind->what));
