@@ -95,7 +95,7 @@ RESERVED = {
 # Who answers on a bus is asked for by host/device/skin; these ask without one: they flash, verify or list boards that may be no skin yet.
 BUS_DISCOVERY = re.compile(r"(\.|->)discover\(\)")
 MAY_DISCOVER = ["host/device/session/", "host/device/skin/", "host/device/diagnose/", "host/device/deploy/", "host/app/cli/src/discover.cpp",
-                "host/app/cli/src/doctor.cpp", "host/app/cli/src/flash_firmware.cpp", "host/app/cli/src/log.cpp", "host/app/cli/src/protect.cpp"]
+                "host/app/cli/src/doctor.cpp", "host/app/cli/src/flash_firmware.cpp", "host/app/cli/src/site_options.cpp"]
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "app/cli/shell_case.hpp"
+#include "support/child_process.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
 
@@ -155,6 +156,19 @@ TEST_F(CommandLine, robot_remove_takes_a_cover_and_then_its_bus) {
   EXPECT_EQ(file()["covers"][0]["controllers"][0]["node"], node_of_upperarm);  // the others keep their addresses
   EXPECT_EQ(run("robot remove robot.json --bus right").out, "robot.json: bus right removed; 1 bus left\n");
   EXPECT_EQ(file()["buses"].size(), 1U);
+}
+
+// The design has two controllers, the simulation that stands for its bus has one.
+TEST_F(CommandLine, log_names_the_controllers_that_the_design_expects_in_vain) {
+  design::write_design(folder_ / "one.json", strip(2, 2));
+  design::write_design(folder_ / "two.json", strip(4, 2));
+  const ServedSimulation one((folder_ / "one.json").string());
+  const Outcome log = run("log two.json --seconds 0.1 --link " + one.link());
+  EXPECT_EQ(log.status, 1) << log.messages;
+  EXPECT_NE(log.out.find("patch 1 (node address 2) does not answer; check power and cable"), std::string::npos)
+      << log.out << log.messages;
+  EXPECT_EQ(run("log one.json --seconds 0.1 --link " + one.link()).status, 0);
+  EXPECT_EQ(run("log two.json --node 1 --seconds 0.1 --link " + one.link()).status, 0) << "the other was not asked for";
 }
 
 // A simulated board has no pages to protect, and reports that.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -31,11 +32,9 @@ struct Options {
   double seconds = 0.0;
 };
 
-std::vector<std::uint8_t> nodes_on(session::Bus& bus, int only) {
+std::vector<std::uint8_t> nodes_of(const Answering& found, const session::Bus& bus, int only) {
   std::vector<std::uint8_t> nodes;
-  for (const wire::NodeClaim& claim : bus.discover()) {
-    if (only == 0 || claim.node_address == only) nodes.push_back(claim.node_address);
-  }
+  for (const wire::NodeClaim& claim : found.claims) nodes.push_back(claim.node_address);
   if (nodes.empty())
     throw DeviceError(only == 0 ? bus.nobody_answers()
                                 : fmt::format("{}: no controller answers at node address {}", bus.name(), only));
@@ -63,16 +62,24 @@ class Heard {
     output_.say(fmt::format("{}{} {} lost", at.prefix(), counted(lines, "line"), agreeing(lines, "was", "were")));
     lost_ += lines;
   }
+  void add_missing(const OpenBus& at, const std::vector<std::string>& missing) {
+    if (missing.empty()) return;
+    const std::lock_guard lock(guard_);
+    output_.say(fmt::format("{}{} {} not answer; check power and cable", at.prefix(), fmt::join(missing, ", "),
+                            agreeing(missing.size(), "does", "do")));
+    for (const std::string& who : missing) lists_["missing"].push_back(at.prefix() + who);
+  }
   int conclude() {
     output_.result = std::move(lists_);
     output_.result["lost"] = lost_;
-    return lost_ > 0 ? 1 : 0;
+    return lost_ > 0 || !output_.result["missing"].empty() ? 1 : 0;
   }
 
  private:
   Output& output_;
   std::mutex guard_;
-  nlohmann::json lists_ = {{"crashes", nlohmann::json::array()}, {"lines", nlohmann::json::array()}};
+  nlohmann::json lists_ = {
+      {"crashes", nlohmann::json::array()}, {"lines", nlohmann::json::array()}, {"missing", nlohmann::json::array()}};
   std::uint64_t lost_ = 0;
 };
 
@@ -102,7 +109,9 @@ int run(const Options& options, Output& output) {
   output.expect_interrupt();
   Heard heard(output);
   on_each_bus(options.site, output, [&](const OpenBus& at) {
-    const auto nodes = nodes_on(at.bus, options.node);
+    const Answering found = find_controllers(at, options.node);
+    const auto nodes = nodes_of(found, at.bus, options.node);
+    heard.add_missing(at, found.missing);
     say_crashes(at, nodes, options.elf, heard);
     session::LogReader reader(at.bus, nodes, kLevelNames.value(options.level).value(), [&](const session::LogEntry& e) {
       const std::string text = options.elf.empty() ? e.text : diagnose::name_places(e.text, options.elf);

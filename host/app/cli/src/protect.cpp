@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "site_options.hpp"
 #include "triskin/design/design.hpp"
@@ -23,22 +25,26 @@ std::string silence_text(int node) {
 
 int run(const Options& options, Output& output) {
   std::mutex results;
+  std::vector<std::string> missing;
   nlohmann::json controllers = nlohmann::json::array();
   on_each_bus(options.site, output, [&](const OpenBus& at) {
-    bool is_silent = true;
-    for (const wire::NodeClaim& claim : at.bus.discover()) {
-      if (options.node != 0 && claim.node_address != options.node) continue;
-      is_silent = false;
+    const Answering found = find_controllers(at, options.node);
+    for (const wire::NodeClaim& claim : found.claims) {
       session::Controller(at.bus, claim.node_address).protect_loader(!options.release);
       const std::lock_guard lock(results);
       output.say(fmt::format("{}controller {}: its loader {} from the next power-up on", at.prefix(),
                              claim.node_address, options.release ? "can be written" : "is write-protected"));
       controllers.push_back({{"serial", session::to_text(claim.unique_id)}, {"node_address", claim.node_address}});
     }
-    if (is_silent) throw DeviceError(at.bus.nobody_answers(silence_text(options.node)));
+    if (found.claims.empty()) throw DeviceError(at.bus.nobody_answers(silence_text(options.node)));
+    const std::lock_guard lock(results);
+    for (const std::string& who : found.missing) {
+      output.say(fmt::format("{}{} does not answer and was not reached; check power and cable", at.prefix(), who));
+      missing.push_back(at.prefix() + who);
+    }
   });
-  output.result = {{"controllers", std::move(controllers)}, {"protected", !options.release}};
-  return 0;
+  output.result = {{"controllers", std::move(controllers)}, {"protected", !options.release}, {"missing", missing}};
+  return missing.empty() ? 0 : 1;
 }
 
 const Registration kProtect{{

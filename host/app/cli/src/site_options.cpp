@@ -30,6 +30,25 @@ std::string OpenBus::prefix() const {
   return config == nullptr || config->name.empty() ? "" : config->name + ": ";
 }
 
+Answering find_controllers(const OpenBus& at, int only_node) {
+  constexpr int kAttempts = 3;
+  Answering found;
+  for (int attempt = 0; attempt < kAttempts && (attempt == 0 || !found.missing.empty()); ++attempt) {
+    found = {at.bus.discover(), {}};
+    if (only_node != 0)
+      std::erase_if(found.claims, [&](const wire::NodeClaim& c) { return c.node_address != only_node; });
+    if (at.config == nullptr || only_node != 0) continue;
+    for (const robot::CoverConfig& cover : at.config->covers) {
+      for (const layout::PatchIndex patch : design::patches_here(cover.design)) {
+        const int node = static_cast<int>(design::node_address_of(cover.design, patch));
+        if (std::ranges::find(found.claims, node, &wire::NodeClaim::node_address) == found.claims.end())
+          found.missing.push_back(fmt::format("{}patch {} (node address {})", prefix_of(cover), patch, node));
+      }
+    }
+  }
+  return found;
+}
+
 void on_each_bus(const SiteOptions& options, Output& output, const std::function<void(const OpenBus&)>& work) {
   if (options.file.empty()) {
     const auto link = connect::open_link(options.link, nullptr);

@@ -3,10 +3,12 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "link_options.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/skin/live_skin.hpp"
+#include "triskin/wire/node_claim.hpp"
 
 namespace triskin::cli {
 
@@ -34,6 +36,14 @@ struct OpenBus {
 /// Opens the links of the file, or only --link if no file was given, and runs `work` for all buses in parallel. Throws
 /// as read_site and open_links.
 void on_each_bus(const SiteOptions& options, Output& output, const std::function<void(const OpenBus&)>& work);
+/// The controllers that answer on a bus.
+struct Answering {
+  std::vector<wire::NodeClaim> claims;
+  std::vector<std::string> missing;  ///< in the file, silent although asked again: "patch 1 (node address 2)"
+};
+/// Asks who is on the bus, and again while somebody is missing whom the file expects there. With a node address in
+/// `only_node` the others do not count.
+[[nodiscard]] Answering find_controllers(const OpenBus& at, int only_node = 0);
 /// Reads the file and opens the links.
 [[nodiscard]] skin::LiveSkin open_skin(const SiteOptions& options, Output& output);
 
