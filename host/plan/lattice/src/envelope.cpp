@@ -14,9 +14,9 @@ struct Products {
 };
 
 // Takes two products side by side, and reads each number for two of them; `count` is even.
-Products products(const double* r0, const double* r1, const double* c0, const double* c1, int count) {
+Products products(const double* r0, const double* r1, const double* c0, const double* c1, std::size_t count) {
   std::array<double, 2> s00{}, s01{}, s10{}, s11{};
-  for (int k = 0; k < count; k += 2) {
+  for (std::size_t k = 0; k < count; k += 2) {
     for (std::size_t j = 0; j < 2; ++j) {
       s00[j] += r0[k + j] * c0[k + j];
       s01[j] += r0[k + j] * c1[k + j];
@@ -63,7 +63,8 @@ void EnvelopeSystem::solve() {
     for (int c = begin; c < row; c += 2, r0 += 2, r1 += 2) {
       const int from = std::max(begin, first_[static_cast<std::size_t>(c)]), count = c - from;
       const double *const c0 = entry(c, from), *const c1 = entry(c + 1, from);
-      const Products p = products(start0 + (from - begin), start1 + (from - begin), c0, c1, count);
+      const Products p =
+          products(start0 + (from - begin), start1 + (from - begin), c0, c1, static_cast<std::size_t>(count));
       const double a0 = (r0[0] - p.r0c0) * c0[count], a1 = (r1[0] - p.r1c0) * c0[count];
       const double b0 = (r0[1] - p.r0c1 - a0 * c1[count]) * c1[count + 1],
                    b1 = (r1[1] - p.r1c1 - a1 * c1[count]) * c1[count + 1];
