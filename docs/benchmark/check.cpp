@@ -107,7 +107,8 @@ void read_lines(const std::string& file, const std::string& format, Take take) {
     std::istringstream line(text.substr(0, text.find('#')));
     std::string key;
     if (!(line >> key)) continue;
-    if (seen.empty() != (key == format)) refuse(file, number, "the first line, and no other, is '" + format + " 1'");
+    if (seen.empty() != (key == format))
+      refuse(file, number, "'" + format + " 1' has to be the first line, and only that");
     if (!seen.insert(key).second && key != "ring" && key != "tile" && key != "proof")
       refuse(file, number, "'" + key + "' is there twice");
     if (!take(key, line)) refuse(file, number, "'" + key + "' is no line of this file, or its words are not right");
@@ -578,7 +579,8 @@ int search(const Outline& outline, const Entry& entry, std::size_t max_length) {
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
-  const bool is_search = words.size() == 4 && words[0] == "--search";
+  const bool is_search = words.size() == 4 && words[0] == "--search" && !words[1].empty() && words[1].size() < 10 &&
+                         words[1].find_first_not_of("0123456789") == std::string::npos;
   if (!is_search && words.size() != 2) {
     std::cerr << "usage: check OUTLINE ENTRY\n       check --search MAX_LENGTH OUTLINE ENTRY\n";
     return 2;
