@@ -26,7 +26,7 @@ install(FILES cmake/packaging/70-triskin.rules COMPONENT program DESTINATION lib
 install(FILES ${generated}/changelog.gz ${generated}/CHANGELOG.md.gz COMPONENT program DESTINATION ${doc_folder})
 install(FILES cmake/packaging/copyright README.md COMPONENT program DESTINATION ${doc_folder})
 install(DIRECTORY docs COMPONENT program DESTINATION ${doc_folder}
-        PATTERN "measurements" EXCLUDE PATTERN "decisions" EXCLUDE PATTERN "examples" EXCLUDE)
+        PATTERN "measurements" EXCLUDE PATTERN "benchmark" EXCLUDE PATTERN "decisions" EXCLUDE PATTERN "examples" EXCLUDE)
 install(DIRECTORY docs/examples COMPONENT program DESTINATION ${doc_folder} USE_SOURCE_PERMISSIONS)
 install(FILES tests/app/library/read_touch.c COMPONENT program DESTINATION ${doc_folder}/examples)
 install(DIRECTORY host/output/bridge/ros/ COMPONENT program DESTINATION share/triskin/ros)
