@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
   check(triskin_tare(skin));  // Nobody touches the skin now.
   std::vector<double> counts(triskin_module_count(skin) * TRISKIN_TAXELS), places_mm(counts.size() * 3);
   check(triskin_positions_mm(skin, places_mm.data(), places_mm.size()));
+  std::vector<int32_t> numbers(triskin_module_count(skin));  // what the labels say
+  check(triskin_module_numbers(skin, numbers.data(), numbers.size()));
   std::vector<triskin_sample> samples(1024);
   std::size_t received = 0;
   for (const double end_s = triskin_now_s(skin) + 10.0; triskin_now_s(skin) < end_s;) {
@@ -29,7 +31,7 @@ int main(int argc, char** argv) {
     check(triskin_change_counts(skin, counts.data(), counts.size()));
     for (std::size_t k = 0; k < counts.size(); ++k) {
       if (counts[k] < 20.0) continue;  // The threshold of triskin live, about 2 kPa.
-      std::printf("module %zu taxel %zu at (%.1f, %.1f, %.1f) mm: %.0f counts\n", k / TRISKIN_TAXELS,
+      std::printf("module %d taxel %zu at (%.1f, %.1f, %.1f) mm: %.0f counts\n", numbers[k / TRISKIN_TAXELS],
                   k % TRISKIN_TAXELS, places_mm[3 * k], places_mm[3 * k + 1], places_mm[3 * k + 2], counts[k]);
     }
   }

@@ -29,7 +29,7 @@ with triskin.simulate(str(design), scene=str(scene)) as skin:
     skin.read(3.0)  # three seconds pass
     for contact in skin.contacts():
         place = ", ".join(f"{v:.0f}" for v in contact["position_mm"])
-        print(f"contact at module {contact['module']}: {contact['taxels']} taxels, {contact['change_counts']:.0f} counts, at {place} mm")
+        print(f"contact at module {skin.numbers[contact['module']]}: {contact['taxels']} taxels, {contact['change_counts']:.0f} counts, at {place} mm")
     good, report = skin.verify()  # in the middle of the stream; it goes on behind
     print("the hardware is the design" if good else report)
     print(f"{len(skin.read(1.0)) // skin.modules} samples of each module in the next second")
@@ -42,7 +42,7 @@ mine = recording.samples["module"] == strongest
 times = recording.samples["time_s"][mine] - recording.samples["time_s"][0]
 pressed = recording.change[mine].max(axis=1)
 begin = times[pressed > 200][0]
-print(f"recording: {len(recording.samples)} samples{' of a simulation' if recording.simulated else ''}; module {strongest} is pressed")
+print(f"recording: {len(recording.samples)} samples{' of a simulation' if recording.simulated else ''}; module {recording.numbers[strongest]} is pressed")
 assert recording.contacts(seconds=begin + 0.5) and not recording.contacts(seconds=max(0.0, begin - 0.2))
 
 
@@ -67,6 +67,6 @@ places, change = recording.positions_mm.reshape(-1, 3), recording.change_counts(
 figure.add_subplot(1, 2, 1, projection="3d").scatter(*places.T, c=change, cmap="inferno", s=6)
 curve = figure.add_subplot(1, 2, 2)
 curve.plot(times, recording.change[mine])
-curve.set(xlabel="s", ylabel="counts below rest", title=f"module {strongest}")
+curve.set(xlabel="s", ylabel="counts below rest", title=f"module {recording.numbers[strongest]}")
 figure.savefig(folder / "touch.png", dpi=110)
 print("plot: touch.png")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "support/flat_design.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::test {
 
@@ -35,6 +36,16 @@ inline design::Design strip(int count, int per_patch = 16) {
     patch.max_depth = static_cast<int>(patch.modules.size()) - 1;
     d.patches.push_back(patch);
   }
+  d.design_id = design::design_id_of(d);
+  return d;
+}
+
+/// Gives the modules numbers as after the removal of others: 0 … 4, 12 … 36 (ids 5 … 29), 50 … (ids from 30).
+inline design::Design with_gaps(design::Design d) {
+  std::vector<int> numbers;
+  for (int id = 0; id < static_cast<int>(d.layout.modules.size()); ++id)
+    numbers.push_back(id < 5 ? id : id < 30 ? id + 7 : id + 20);
+  design::set_numbers(d.layout, std::move(numbers));
   d.design_id = design::design_id_of(d);
   return d;
 }

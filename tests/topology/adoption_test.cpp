@@ -257,7 +257,7 @@ TEST(Adoption, is_told_by_verify) {
             (std::set<int>(o.modules.begin(), o.modules.end())));
   EXPECT_NE(finding.text.find("meanwhile"), std::string::npos) << finding.text;
   ASSERT_TRUE(result.stream);
-  EXPECT_EQ(result.stream->never_heard, std::vector{layout::ModuleId{o.dead}});
+  EXPECT_EQ(result.stream->never_heard, std::vector{design::ModuleNumber{o.dead}});
 }
 
 // An owner that lost its memory finds its modules at a neighbour, and asks for them.

@@ -223,9 +223,10 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   ASSERT_EQ(r.findings.size(), 1U);
   EXPECT_EQ(r.findings[0].kind, diagnose::FindingKind::kBackupRoute);
   EXPECT_EQ(r.modules_ok, 11);
-  EXPECT_EQ(session::parse_route("backup:4-7"), (session::RouteChoice{layout::ModuleId{4}, layout::ModuleId{7}}));
-  EXPECT_THROW((void)session::parse_route("backup:x"), InputError);
-  EXPECT_THROW((void)session::parse_route("backup:4-4"), InputError);
+  EXPECT_EQ(session::parse_route("backup:4-7", design),
+            (session::RouteChoice{layout::ModuleId{4}, layout::ModuleId{7}}));
+  EXPECT_THROW((void)session::parse_route("backup:x", design), InputError);
+  EXPECT_THROW((void)session::parse_route("backup:4-4", design), InputError);
   options.route = {layout::ModuleId{999}, layout::ModuleId::none()};
   EXPECT_THROW(deploy::flash(bus, design, options), InputError);
 }

@@ -157,7 +157,7 @@ TEST(Loss, a_module_that_gives_no_data_was_never_heard) {
   stream.run_until(bus.now_us() + 1'000'000);
   stream.finish();
   const session::StreamReport r = stream.report();
-  EXPECT_EQ(r.never_heard, std::vector{layout::ModuleId{4}});
+  EXPECT_EQ(r.never_heard, std::vector{design::ModuleNumber{4}});
   EXPECT_FALSE(r.complete());
   EXPECT_EQ(r.total.lost(), 0U);  // The controller reported each time that there was nothing.
 }

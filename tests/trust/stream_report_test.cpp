@@ -18,7 +18,7 @@ constexpr session::SampleCounts kEmpty{.expected = 100, .received = 100, .with_d
 
 session::ModuleCounts module_of(CoverIndex cover, PatchIndex patch, ModuleId module,
                                 const session::SampleCounts& counts) {
-  return {module, patch, counts, false, cover};
+  return {module, patch, counts, false, cover, design::ModuleNumber{module}};
 }
 
 // Modules 3 of two covers are silent, and a neighbour reads that of cover 0. The report used to call neither silent.

@@ -16,16 +16,18 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-// Module 21 of a strip of 40 is on its second controller, so that module, row, patch and address are all different.
-constexpr int kModules = 40, kModule = 21;
+// Module 21 of a strip of 40 is on its second controller, so that module, row, patch and address are all different. In
+// a strip with gaps it has number 28.
+constexpr int kModules = 40, kId = 21;
 
-class OneName : public ShellCase {
+class OneName : public ShellCase, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
     ShellCase::SetUp();
-    design::write_design(folder_ / "strip.json", strip(kModules));
+    design::write_design(folder_ / "strip.json", GetParam() ? with_gaps(strip(kModules)) : strip(kModules));
     design_ = json::parse(read_file(folder_ / "strip.json"));
-    module_ = design_["modules"][kModule];
+    module_ = design_["modules"][kId];
+    ASSERT_EQ(module_["id"], number_);
     patch_ = module_["patch"];
     const int address = module_["address"];
     strap_ = fmt::format("ADD0{} ADD1{} ({:02X})", (address & 1) != 0 ? 'H' : 'L', (address & 2) != 0 ? 'H' : 'L',
@@ -46,14 +48,15 @@ class OneName : public ShellCase {
   }
 
   json design_, module_;
+  const int number_ = GetParam() ? 28 : 21;
   int patch_ = 0;
   std::string strap_;
 };
 
-TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
+TEST_P(OneName, of_a_module_in_all_outputs_of_a_design) {
   std::map<std::string, std::string> said;  // by output
   const std::string expected =
-      fmt::format("module {} patch {} L{} {}", kModule, patch_, module_["line"].get<int>(), strap_);
+      fmt::format("module {} patch {} L{} {}", number_, patch_, module_["line"].get<int>(), strap_);
   const auto as_text = [&](int module, int patch, int line, int address) {
     return fmt::format("module {} patch {} L{} ADD0{} ADD1{} ({:02X})", module, patch, line, "LH"[address & 1],
                        "LH"[address >> 1 & 1], 0x2C + address);
@@ -64,19 +67,19 @@ TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
   for (std::string row; std::getline(csv, row);) {
     int module = 0, taxel = 0, patch = 0, line = 0, address = 0;
     if (std::sscanf(row.c_str(), "strip,%d,%d,%d,%d,%d", &module, &taxel, &patch, &line, &address) == 5 &&
-        module == kModule)
+        module == number_)
       said["taxels.csv"] = as_text(module, patch, line, address);
   }
 
   ASSERT_EQ(run("export strip.json -o page.html").status, 0);
-  const json shown = page_model("page.html")["modules"][kModule];
-  said["page"] = as_text(kModule, shown["patch"], shown["line"], shown["address"]);
+  const json shown = page_model("page.html")["modules"][kId];
+  said["page"] = as_text(shown["number"], shown["patch"], shown["line"], shown["address"]);
 
   // A sheet of a strip in SVG has outlines for text, so its words are read from the plan in tests/output/sheet.
   write("scene.json", {{"format", "triskin-scene"},
                        {"version", 1},
                        {"design", "strip.json"},
-                       {"faults", {{{"kind", "removed_chip"}, {"module", kModule}}}}});
+                       {"faults", {{{"kind", "removed_chip"}, {"module", number_}}}}});
   ASSERT_EQ(run("flash strip.json --link sim").status, 0);
   const Outcome verified = run("verify strip.json --link sim --scene scene.json --report report.json");
   EXPECT_EQ(verified.status, 1);
@@ -85,25 +88,32 @@ TEST_F(OneName, of_a_module_in_all_outputs_of_a_design) {
   ASSERT_TRUE(std::regex_search(verified.out, m, place)) << verified.out;
   said["finding on the terminal"] = fmt::format("module {} patch {} {} {}", m.str(1), m.str(2), m.str(3), m.str(4));
   const json finding = finding_of("report.json");
-  EXPECT_EQ(finding["module"], kModule);
+  EXPECT_EQ(finding["module"], number_);
   EXPECT_EQ(finding["patch"], patch_);
   const std::string text = finding.dump();
   ASSERT_TRUE(std::regex_search(text, m, place)) << text;
   said["finding in the report"] = fmt::format("module {} patch {} {} {}", m.str(1), m.str(2), m.str(3), m.str(4));
 
-  const Outcome live = run(fmt::format("live strip.json --link sim --seconds 0.6 --press {} --json", kModule));
+  const Outcome live = run(fmt::format("live strip.json --link sim --seconds 0.6 --press {} --json", number_));
   std::istringstream objects(live.out);
   int pressed = 0;
   for (std::string object; std::getline(objects, object);) {
     const json line = json::parse(object);
     for (const json& taxel : line["pressed"]) {
-      EXPECT_EQ(taxel["module"], kModule);
+      EXPECT_EQ(taxel["module"], number_);
       ++pressed;
     }
   }
   EXPECT_GT(pressed, 0) << live.out;
   ASSERT_EQ(run("record strip.json --link sim --seconds 0.2 -o samples.csv").status, 0);
-  EXPECT_THAT(read_file(folder_ / "samples.csv"), testing::ContainsRegex(fmt::format("(^|\n|,){},", kModule)));
+  EXPECT_THAT(read_file(folder_ / "samples.csv"), testing::ContainsRegex(fmt::format("(^|\n|,){},", number_)));
+
+  // The neighbours are those of the label, too.
+  const Outcome played = run("record strip.json --link sim --seconds 0.2 -o samples.mcap");
+  ASSERT_EQ(played.status, 0) << played.messages;
+  ASSERT_EQ(run("replay samples.mcap --speed 0 --json").status, 0);
+  EXPECT_EQ(run("flash strip.json --link sim --route backup:9999").status, 2);
+  EXPECT_THAT(run("edit strip.json --remove 9999 -o x.json").messages, HasSubstr("there is no module 9999"));
 
   ASSERT_EQ(said.size(), 4U);
   for (const auto& [output, words] : said) {
@@ -120,18 +130,18 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 
 // Two covers of the same design on one bus: of the second one, "upperarm", every number is that of its own design, and
 // the node address that of the robot file.
-TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
+TEST_P(OneName, of_a_module_and_a_controller_of_a_robot) {
   ASSERT_EQ(run("robot new robot.json --name demo --bus left=sim").status, 0);
   ASSERT_EQ(run("robot add robot.json strip.json --name forearm --bus left").status, 0);
   ASSERT_EQ(run("robot add robot.json strip.json --name upperarm --bus left --xyz-mm 0,0,300").status, 0);
   const json file = json::parse(read_file(folder_ / "robot.json"));
   const int node = file["covers"][1]["controllers"][patch_]["node"];
-  const int joint = kModules + kModule;  // what nobody may read
+  const int joint = kModules + kId;  // what nobody may read
   EXPECT_NE(node, patch_ + 1);
   write("scene.json", {{"format", "triskin-scene"},
                        {"version", 1},
                        {"robot", "robot.json"},
-                       {"faults", {{{"part", "upperarm"}, {"kind", "removed_chip"}, {"module", kModule}}}}});
+                       {"faults", {{{"part", "upperarm"}, {"kind", "removed_chip"}, {"module", number_}}}}});
   ASSERT_EQ(run("flash robot.json --link sim").status, 0);
 
   const std::string controller = fmt::format("patch {:3}  bus left  node address {:3}", patch_, node);
@@ -142,11 +152,11 @@ TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
 
   const Outcome verified = run("verify robot.json --link sim --scene scene.json --report report.json");
   EXPECT_EQ(verified.status, 1);
-  EXPECT_THAT(verified.out, HasSubstr(fmt::format("upperarm: absent_module: module {} (patch {}, L{}, {})", kModule,
+  EXPECT_THAT(verified.out, HasSubstr(fmt::format("upperarm: absent_module: module {} (patch {}, L{}, {})", number_,
                                                   patch_, module_["line"].get<int>(), strap_)));
   EXPECT_THAT(verified.out, testing::Not(HasSubstr(fmt::format("module {}", joint))));
   const Outcome live = run("live robot.json --link sim --scene scene.json --seconds 0.6");
-  EXPECT_THAT(live.out + live.messages, HasSubstr(fmt::format("upperarm: never heard: module {}", kModule)));
+  EXPECT_THAT(live.out + live.messages, HasSubstr(fmt::format("upperarm: never heard: module {}", number_)));
 
   for (const char* command : {"export robot.json -o page.html", "export robot.json --switched -o page.html"}) {
     ASSERT_EQ(run(command).status, 0);
@@ -155,6 +165,7 @@ TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
     EXPECT_EQ(model["covers"][1]["first_module"], kModules);
     const int first_patch = model["covers"][1]["first_patch"];
     EXPECT_EQ(model["modules"][joint]["patch"], first_patch + patch_);
+    EXPECT_EQ(model["modules"][joint]["number"], number_);
     EXPECT_EQ(model["patches"][first_patch + patch_]["node"], node);
     EXPECT_EQ(model["modules"][joint]["address"], module_["address"]);
   }
@@ -162,7 +173,7 @@ TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
   const std::string rows = read_file(folder_ / "taxels.csv");
   EXPECT_EQ(count_of(rows, "\nforearm,"), 12U * kModules);
   EXPECT_EQ(count_of(rows, "\nupperarm,"), 12U * kModules);
-  EXPECT_THAT(rows, HasSubstr(fmt::format("\nupperarm,{},0,{},{},{},", kModule, patch_, module_["line"].get<int>(),
+  EXPECT_THAT(rows, HasSubstr(fmt::format("\nupperarm,{},0,{},{},{},", number_, patch_, module_["line"].get<int>(),
                                           module_["address"].get<int>())));
   const Outcome sheets = run("export robot.json -o sheet.pdf");
   if (sheets.messages.find("without its assembly sheet") != std::string::npos) return;
@@ -170,9 +181,12 @@ TEST_F(OneName, of_a_module_and_a_controller_of_a_robot) {
 }
 
 // A box has modules on all of its sides, so one view does not show all of them; a strip is seen from one side.
-TEST_F(OneName, each_module_of_a_picture_has_its_number) {
+TEST_P(OneName, each_module_of_a_picture_has_its_number) {
   ASSERT_EQ(run("export strip.json -o strip.svg").status, 0);
-  EXPECT_EQ(count_of(read_file(folder_ / "strip.svg"), "<g "), 1U);
+  const std::string strip_picture = read_file(folder_ / "strip.svg");
+  EXPECT_EQ(count_of(strip_picture, "<g "), 1U);
+  for (const json& module : design_["modules"])
+    EXPECT_EQ(count_of(strip_picture, fmt::format(">{}</text>", module["id"].get<int>())), 1U) << module["id"];
   const std::string box = source_folder() + "/tests/output/view/designs/box.json";
   ASSERT_EQ(run("export '" + box + "' --format picture -o box.svg").status, 0);
   const std::string picture = read_file(folder_ / "box.svg");
@@ -180,6 +194,9 @@ TEST_F(OneName, each_module_of_a_picture_has_its_number) {
   for (std::size_t k = 0; k < json::parse(read_file(box))["modules"].size(); ++k)
     EXPECT_GE(count_of(picture, fmt::format(">{}</text>", k)), 1U) << k;
 }
+
+INSTANTIATE_TEST_SUITE_P(Numbers, OneName, testing::Bool(),
+                         [](const auto& gaps) { return gaps.param ? "with_gaps" : "without_gaps"; });
 
 }  // namespace
 }  // namespace triskin::test

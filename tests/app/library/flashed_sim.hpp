@@ -17,16 +17,18 @@ namespace triskin::test {
 /// its tables.
 class FlashedSim {
  public:
-  /// `faults` is the value of that key of the scene.
-  explicit FlashedSim(const std::string& faults = "[]")
+  /// `faults` is the value of that key of the scene. With gaps, the numbers of the last three modules are 12 … 14.
+  explicit FlashedSim(const std::string& faults = "[]", bool has_gaps = false)
       : folder_(std::filesystem::temp_directory_path() / ("library." + std::to_string(::getpid()))) {
+    if (has_gaps) design_ = with_gaps(design_);
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
     design::write_design(design_file(), design_);
     write_file_atomically(scene_file(), R"({"format":"triskin-scene","version":1,"design":"d.json","contacts":[)"
-                                        R"({"at_s":6,"module":5,"taxel":3,"force_n":1,"radius_mm":3}],"faults":)" +
-                                            faults + "}");
+                                        R"({"at_s":6,"module":)" +
+                                            std::string(has_gaps ? "12" : "5") +
+                                            R"(,"taxel":3,"force_n":1,"radius_mm":3}],"faults":)" + faults + "}");
     const auto link = connect::open_link({.link = "sim", .scene = "", .own_interrupts = false}, &design_);
     session::Bus bus(*link);
     (void)deploy::flash(bus, design_);

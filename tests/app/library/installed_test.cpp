@@ -53,7 +53,7 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
 
 // The source is docs/examples/read_samples.cpp, which the pages show.
 TEST(Installed, the_first_example_prints_the_pressed_taxel) {
-  const FlashedSim sim;
+  const FlashedSim sim("[]", true);
   const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "read_samples";
   const auto [built, text] =
       shell(sim, "PKG_CONFIG_PATH='" + lib +
@@ -64,10 +64,10 @@ TEST(Installed, the_first_example_prints_the_pressed_taxel) {
   const auto [status, said] = shell(sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() +
                                              "' sim '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
-  EXPECT_NE(said.find("module 5 taxel 3 at ("), std::string::npos) << said;
+  EXPECT_NE(said.find("module 12 taxel 3 at ("), std::string::npos) << said;
   // The scene presses no other module.
   for (std::size_t at = 0, end = 0; (end = said.find('\n', at)) != std::string::npos; at = end + 1)
-    EXPECT_EQ(said.compare(at, 15, "module 5 taxel "), 0) << said.substr(at, end - at);
+    EXPECT_EQ(said.compare(at, 16, "module 12 taxel "), 0) << said.substr(at, end - at);
 }
 
 TEST(Installed, a_CMake_project_finds_it_by_find_package) {
@@ -103,7 +103,7 @@ TEST(Installed, the_program_comes_with_pages_rules_and_completion) {
 
 #ifdef TRISKIN_PYTHON
 TEST(Installed, Python_reads_a_served_simulation) {
-  const FlashedSim sim;
+  const FlashedSim sim("[]", true);
   if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "numpy is not installed; run tools/setup test";
   const auto [status, said] =

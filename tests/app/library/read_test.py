@@ -36,6 +36,8 @@ def contents(skin):
     inside = np.abs(skin.positions_mm.mean(axis=1) - corners.mean(axis=1)).max()
     assert inside < 1.5, inside  # the mean of the pads is near the middle of its module
     assert list(skin.patches) == [0, 0, 0, 0, 1, 1, 1, 1]
+    # The design has gaps: arrays are indexed from 0, numbers are those of the labels.
+    assert list(skin.numbers) == [m["id"] for m in d["modules"]] == [0, 1, 2, 3, 4, 12, 13, 14], skin.numbers
 
 
 def stream(skin):
@@ -97,6 +99,7 @@ def robot():
     with triskin.open(file) as skin:
         assert skin.covers == ["arm", "leg"] and skin.modules == 16
         assert list(skin.cover) == [0] * 8 + [1] * 8
+        assert list(skin.numbers) == 2 * [0, 1, 2, 3, 4, 12, 13, 14]
         assert np.allclose(skin.positions_mm[8:] - skin.positions_mm[:8], [0.0, 0.0, 500.0])
 
 

@@ -29,7 +29,7 @@ class RobotSkin : public testing::Test {
     fs::create_directories(folder_);
     ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
     design::write_design(folder_ / "arm.json", test::strip(8, 4));
-    design::write_design(folder_ / "leg.json", test::strip(6, 3));
+    design::write_design(folder_ / "leg.json", test::with_gaps(test::strip(6, 3)));
     run("robot new robot.json --name demo --bus left=sim --bus right=sim");
     run("robot add robot.json arm.json --name arm --bus left --xyz-mm 0,0,100");
     run("robot add robot.json leg.json --name leg --bus right --xyz-mm 0,500,0");
@@ -89,7 +89,9 @@ TEST_F(RobotSkin, has_all_covers_in_the_frame_of_the_base) {
   EXPECT_STREQ(triskin_cover_name(skin_, 0), "arm");
   EXPECT_STREQ(triskin_cover_name(skin_, 1), "leg");
   EXPECT_STREQ(triskin_cover_name(skin_, 2), "");
-  std::vector<std::int32_t> covers(14), patches(14);
+  std::vector<std::int32_t> covers(14), patches(14), numbers(14);
+  ASSERT_EQ(triskin_module_numbers(skin_, numbers.data(), numbers.size()), TRISKIN_OK);
+  EXPECT_EQ(numbers, (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 12}));
   ASSERT_EQ(triskin_covers(skin_, covers.data(), covers.size()), TRISKIN_OK);
   EXPECT_EQ(covers, (std::vector<std::int32_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
   ASSERT_EQ(triskin_patches(skin_, patches.data(), patches.size()), TRISKIN_OK);

@@ -15,20 +15,23 @@ namespace {
 
 using layout::ModuleId;
 using layout::PatchIndex;
+using layout::TableRow;
 
 TEST(FormatIndex, writes_the_integer_with_its_specification) {
-  EXPECT_EQ(fmt::format("module {} of patch {:>3}", ModuleId{12}, PatchIndex{7}), "module 12 of patch   7");
-  EXPECT_EQ(fmt::format("{}", fmt::join(std::vector{ModuleId{1}, ModuleId{2}}, ", ")), "1, 2");
+  EXPECT_EQ(fmt::format("row {} of patch {:>3}", TableRow{12}, PatchIndex{7}), "row 12 of patch   7");
+  EXPECT_EQ(fmt::format("{}", fmt::join(std::vector{TableRow{1}, TableRow{2}}, ", ")), "1, 2");
   EXPECT_EQ(fmt::format("{}", PatchIndex::none()), "-1");
 }
 
 TEST(FormatIndex, json_has_the_integer) {
-  const nlohmann::json j = {{"module", ModuleId{12}}, {"patches", std::vector{PatchIndex{0}, PatchIndex{3}}}};
-  EXPECT_EQ(j.dump(), R"({"module":12,"patches":[0,3]})");
+  const nlohmann::json j = {{"row", TableRow{12}}, {"patches", std::vector{PatchIndex{0}, PatchIndex{3}}}};
+  EXPECT_EQ(j.dump(), R"({"patches":[0,3],"row":12})");
 }
 
 TEST(FormatIndex, concerns_indices_alone) {
-  EXPECT_TRUE(IndexKind<ModuleId>);
+  EXPECT_TRUE(IndexKind<PatchIndex>);
+  EXPECT_FALSE(IndexKind<ModuleId>) << "what people read is its number";
+  EXPECT_FALSE((std::is_constructible_v<nlohmann::json, ModuleId>));
   EXPECT_FALSE(IndexKind<int>);
   EXPECT_FALSE(IndexKind<std::vector<int>>);
 }

@@ -32,8 +32,8 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
       EXPECT_NE(m.latching, wire::Latching::kUnknown);
       EXPECT_EQ(m.outside, 0);
     }
-    EXPECT_EQ(describe(p).size(), 1U);
-    EXPECT_NE(describe(p)[0].find(GetParam() ? "positive" : "negative"), std::string::npos);
+    EXPECT_EQ(describe(f.design(), p).size(), 1U);
+    EXPECT_NE(describe(f.design(), p)[0].find(GetParam() ? "positive" : "negative"), std::string::npos);
   }
   std::vector<session::ModuleSample> frames;
   session::Stream stream(f.bus(), f.design(), [&](const session::ModuleSample& frame) { frames.push_back(frame); });
@@ -67,9 +67,9 @@ TEST(OffsetReport, NamesTheTaxelThatNoOffsetReaches) {
   ASSERT_EQ(patches.size(), 1U);
   EXPECT_EQ(patches[0].offsets.modules[2].state, wire::OffsetState::kOutside);
   EXPECT_EQ(patches[0].offsets.modules[2].outside, 1U << 9);
-  ASSERT_EQ(describe(patches[0]).size(), 2U);
-  EXPECT_NE(describe(patches[0])[1].find("module 2: no offset brings taxel 9"), std::string::npos)
-      << describe(patches[0])[1];
+  ASSERT_EQ(describe(f.design(), patches[0]).size(), 2U);
+  EXPECT_NE(describe(f.design(), patches[0])[1].find("module 2: no offset brings taxel 9"), std::string::npos)
+      << describe(f.design(), patches[0])[1];
 }
 
 // Taxel 3 rests 9,300 counts above the end of its range at the last offset, taxel 9 at the end of its range.
@@ -82,7 +82,7 @@ TEST(OffsetReport, TellsRestingOffTheMiddleFromAnEndOfTheRange) {
   p.rest.modules[0].fill(32'768);
   p.rest.modules[0][3] = 9'300;
   p.rest.modules[0][9] = 0xFFFF;
-  const std::vector<std::string> lines = describe(p);
+  const std::vector<std::string> lines = describe(test::strip(5), p);
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_EQ(lines[1], "module 4: no offset brings taxel 9 (offset 0.00 pF) into its range: electrode shorted or open");
   EXPECT_NE(lines[2].find("taxel 3 (9300 counts of range left for pressure, offset 20.16 pF); not pressed"),

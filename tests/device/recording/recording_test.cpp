@@ -10,6 +10,7 @@
 
 #include "recorded.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/design_text.hpp"
 
 namespace triskin::recording {
 namespace {
@@ -50,6 +51,22 @@ TEST(Recording, every_sample_comes_back_as_it_was) {
   EXPECT_EQ(summary.result.at("status"), "complete");
   EXPECT_EQ(summary.facts.at("design_id"), fmt::format("{:016x}", design.design_id));
   EXPECT_EQ(summary.design_text, origin().design_text);
+}
+
+// In the file module 5 of the gapped strip has its number, 12; a reader of the whole recording gets the index again.
+TEST(Recording, modules_are_named_by_number) {
+  const Folder folder("recording");
+  const design::Design design = test::with_gaps(strip(8));
+  Origin from = origin();
+  from.design_text = design::design_text(design);
+  record_samples(folder / "r.mcap", design, 16, from);
+  EXPECT_EQ(samples_of(folder / "r.mcap"), first(16, 8));
+  const std::vector<ModuleSample> one{sample_of(5, 8)};
+  const std::vector<std::uint8_t> message = encode_raw(one, design.layout.numbers);
+  const auto seen = [&](std::span<const int> numbers) { return decode_raw(message, numbers).value().at(0).module; };
+  EXPECT_EQ(seen({}), 12);
+  EXPECT_EQ(seen(design.layout.numbers), 5);
+  EXPECT_EQ(seen(std::array{0, 1}), -1) << "another design";
 }
 
 TEST(Recording, modules_of_one_sample_share_a_message) {

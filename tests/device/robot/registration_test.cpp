@@ -41,7 +41,7 @@ std::vector<Touch> touches_on(const design::Design& d, const Eigen::Isometry3d& 
   for (const int module : {0, 3, 5, 8, 11, 14, 17, 19}) {
     const auto m = static_cast<std::size_t>(module);
     const Vector3d at = design::taxels_of(d.layout.modules[m], wiring[m].routed.rotation)[3].position_mm;
-    touches.push_back({layout::ModuleId{module}, layout::TaxelIndex{3},
+    touches.push_back({design::ModuleNumber{module}, layout::TaxelIndex{3},
                        pose * at + Vector3d(noise(random), noise(random), noise(random))});
   }
   return touches;
@@ -132,7 +132,7 @@ TEST(Register, too_few_touches_and_unknown_taxels_are_refused) {
   touches.resize(5);
   EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
   touches = touches_on(cover, kPose, 0.0);
-  touches[0].module = layout::ModuleId{20};
+  touches[0].module = design::ModuleNumber{20};
   EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
 }
 

@@ -93,7 +93,7 @@ TEST(PressureSteps, begin_with_rest_and_go_module_by_module) {
   const std::array kpa{5.0, 10.0};
   const auto text = [](const std::vector<skin::PressureStep>& steps) {
     std::string all;
-    for (const skin::PressureStep& s : steps) all += fmt::format("{:g}@{} ", s.pressure_kpa, s.module);
+    for (const skin::PressureStep& s : steps) all += fmt::format("{:g}@{} ", s.pressure_kpa, s.module.value());
     return all;
   };
   EXPECT_EQ(text(skin::pressure_steps(kpa, {})), "0@-1 5@-1 10@-1 ");

@@ -246,7 +246,7 @@ TEST(LiveMonitor, says_which_taxels_do_not_rest) {
   monitor.add(saturated);
   EXPECT_EQ(monitor.off_rest().taxels, 1) << "a module with a fault has another cause";
   design::OffRest many{24, {}};
-  for (int k = 0; k < 14; ++k) many.modules.emplace_back(k);
+  for (int k = 0; k < 14; ++k) many.modules.push_back({k});
   EXPECT_EQ(sentence(many),
             "24 taxels do not rest: tare; their modules: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more");
 }

@@ -96,6 +96,20 @@ TEST_F(BridgeTest, a_reader_gets_every_raw_sample_and_the_type_hash) {
   EXPECT_EQ(samples, 400U);
 }
 
+TEST_F(BridgeTest, a_raw_frame_names_modules_by_number) {
+  Bridge bridge(*domain_, test::with_gaps(design_), options(0.0), kStart_ns);
+  Reader<Raw> reader(participant_, triskin_msgs_msg_dds__RawFrame__desc, "rt/skin/arm/raw", true, false);
+  ASSERT_TRUE(wait_until([&] { return reader.matched(); }));
+  for (int module = 4; module < 8; ++module) bridge.add(sample_of(module, 1));
+  bridge.flush();
+  std::vector<std::uint32_t> numbers;
+  const auto note = [&](const Raw& raw) {
+    numbers.assign(raw.module_._buffer, raw.module_._buffer + raw.module_._length);
+  };
+  EXPECT_TRUE(wait_until([&] { return reader.take(note), !numbers.empty(); }));
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{4, 12, 13, 14}));
+}
+
 TEST_F(BridgeTest, points_are_a_cloud_with_the_places_of_the_design) {
   Bridge bridge(*domain_, design_, options(), kStart_ns);
   // rviz and others request sensor data with this quality of service.
@@ -123,14 +137,17 @@ TEST_F(BridgeTest, points_are_a_cloud_with_the_places_of_the_design) {
 }
 
 TEST_F(BridgeTest, who_comes_late_still_gets_layout_and_transform) {
-  const Bridge bridge(*domain_, design_, options(), kStart_ns);
+  const design::Design design = test::with_gaps(design_);
+  const Bridge bridge(*domain_, design, options(), kStart_ns);
   Reader<Layout> layout(participant_, triskin_msgs_msg_dds__SkinLayout__desc, "rt/skin/arm/layout", true, true);
   Reader<Transforms> transforms(participant_, tf2_msgs_msg_dds__TFMessage__desc, "rt/tf_static", true, true);
   EXPECT_TRUE(wait_until([&] {
     return layout.take([&](const Layout& l) {
-      EXPECT_EQ(l.design_id, design_.design_id);
+      EXPECT_EQ(l.design_id, design.design_id);
       EXPECT_EQ(l.position._length, 8U * 36U);
       EXPECT_EQ(l.patch._buffer[4], 1);
+      EXPECT_EQ(l.module_._length, 8U);
+      EXPECT_EQ(l.module_._buffer[5], 12U);  // its number; without gaps it is 5
     }) == 1;
   }));
   EXPECT_TRUE(wait_until([&] {

@@ -246,7 +246,7 @@ TEST(ModuleBoard, EveryPortFitsEveryOther) {
 
 // Address 2 is ADD1 high, ADD0 low (AD7147 data sheet); line 3 closes SDA3 and SCL3.
 TEST(ModuleBoard, StrapsSetLineAndAddress) {
-  const ModuleSetting setting{layout::ModuleId{7}, layout::PatchIndex{1}, 3, 2};
+  const ModuleSetting setting{design::ModuleNumber{7}, layout::PatchIndex{1}, 3, 2};
   std::set<std::string> closed;
   for (const Strap& strap : straps()) {
     if (is_closed(strap, setting)) closed.insert(strap.name);

@@ -139,7 +139,7 @@ TEST(FastDds, points_have_place_normal_and_value_of_every_taxel) {
 
 TEST(FastDds, who_comes_late_gets_the_layout) {
   const std::uint32_t id = domain_with();
-  const design::Design design = test::strip(8, 4);
+  const design::Design design = test::with_gaps(test::strip(8, 4));
   const auto domain = bridge::join_domain(id);
   const bridge::Bridge bridge(*domain, design, options_of(0.0), kStart_ns);
   Participant participant(id);
@@ -151,6 +151,7 @@ TEST(FastDds, who_comes_late_gets_the_layout) {
     ASSERT_EQ(layout.position.size(), 8U * 36U);
     ASSERT_EQ(layout.corner.size(), 8U * 9U);
     EXPECT_EQ(layout.patch, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+    EXPECT_EQ(layout.module, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 12, 13, 14}));
     for (std::size_t m = 0; m < 8; ++m) {
       const auto poses = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
       for (std::size_t k = 0; k < 36; ++k)

@@ -72,9 +72,10 @@ struct SkinLayout {
   std::uint64_t design_id = 0;
   std::vector<float> corner, position, normal;
   std::vector<std::int32_t> patch;
+  std::vector<std::uint32_t> module;
   void read(Cdr& cdr) {
     header.read(cdr);
-    read_fields(cdr, name, design_id, corner, position, normal, patch);
+    read_fields(cdr, name, design_id, corner, position, normal, patch, module);
   }
 };
 

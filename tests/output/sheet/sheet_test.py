@@ -259,10 +259,23 @@ def check(program, file, paper, folder):
     print(f"{file}, {paper}: {modules} modules on {len(pages)} pages")
 
 
+def renumber(design, new):
+    """Changes the numbers of the modules wherever the design names one; -1 is none."""
+    def new_or_none(number):
+        return number if number < 0 else new(number)
+    for m in design["modules"]:
+        m["id"], m["parent"] = new(m["id"]), new_or_none(m["parent"])
+        m["neighbours"] = [new_or_none(n) for n in m["neighbours"]]
+    for p in design["patches"]:
+        p["entry"], p["second_entry"] = new(p["entry"]), new_or_none(p["second_entry"])
+        p["modules"] = [new(m) for m in p["modules"]]
+        p["cut_joints"] = [[new(m) for m in joint] for joint in p["cut_joints"]]
+
+
 def make_strips(write_strip, folder):
-    """Draws a strip over several pages, and a shorter one with cut corners; straps changed so that no pattern hides a fault."""
+    """Draws a strip over several pages, a shorter one with cut corners and one whose numbers have a gap; straps changed so that no pattern hides a fault."""
     files = []
-    for name, count, cut in (("whole", 40, 0), ("cut", 9, 5)):
+    for name, count, cut in (("whole", 40, 0), ("cut", 9, 5), ("gaps", 40, 0)):
         file = folder / f"{name}.json"
         subprocess.run([write_strip, str(file), str(count)], check=True)
         design = json.loads(file.read_text())
@@ -270,6 +283,8 @@ def make_strips(write_strip, folder):
             design["corner_cut_mm"] = cut
         for m in design["modules"]:
             m["line"], m["address"] = (m["line"] + 2 * m["id"]) % 4, (m["address"] + 3 * (m["id"] // 4)) % 4
+        if name == "gaps":
+            renumber(design, lambda number: number if number < 5 else number + 7)
         file.write_text(json.dumps(design))
         files.append(str(file))
     return files

@@ -292,6 +292,38 @@ TEST_F(Damage, wiring) {
   });
 }
 
+// Changes a number wherever the design names its module.
+void renumber(json& j, int from, int to) {
+  const auto change = [&](json& name) {
+    if (name == from) name = to;
+  };
+  for (json& m : j["modules"]) {
+    change(m["id"]);
+    change(m["parent"]);
+    for (json& n : m["neighbours"]) change(n);
+  }
+  for (json& p : j["patches"]) {
+    change(p["entry"]);
+    change(p["second_entry"]);
+    for (json& m : p["modules"]) change(m);
+    for (json& joint : p["cut_joints"])
+      for (json& m : joint) change(m);
+  }
+}
+
+TEST_F(Damage, numbers_of_modules) {
+  const int last = static_cast<int>((*good_)["modules"].size()) - 1;
+  // A gap before the last module changes the id of the design and nothing else.
+  EXPECT_THAT(broken_by([&](json& j) { renumber(j, last, last + 10); }), testing::ElementsAre("design-id"));
+  EXPECT_THAT(broken_by([&](json& j) { renumber(j, last, 65'535); }), testing::ElementsAre("design-id"));
+  expect("module-number", [&](json& j) { renumber(j, last, 65'536); });
+  expect("module-number", [&](json& j) { renumber(j, 0, last + 10); });  // It is no longer the smallest.
+  expect("module-number", [&](json& j) { renumber(j, last, last - 1); });
+  EXPECT_THAT(broken_by([&](json& j) { j["next_module"] = last + 1; }), testing::IsEmpty());
+  expect("module-number", [&](json& j) { j["next_module"] = last; });
+  EXPECT_THROW((void)broken_by([&](json& j) { j["patches"][0]["entry"] = last + 1; }), InputError);
+}
+
 TEST_F(Damage, what_is_not_a_design_ends_with_the_file_named) {
   for (const char* text : {"", "{}", "[1,2]", "{\"format\":\"triskin-design\",\"version\":2}", "nonsense"}) {
     const fs::path path = folder_ / "bad.json";

@@ -13,6 +13,7 @@
 #include "support/flat_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::pipeline {
@@ -92,19 +93,81 @@ TEST(EditDesign, removes_modules_and_parts_islands) {
   EXPECT_NE(e.design.design_id, before.design_id);
 }
 
-// Labels and printed sheets name the modules that stay: only the last module takes the number that became free, and
-// with a new module none does.
+Design read_back(const Design& d) {
+  const fs::path file = fs::temp_directory_path() / ("edit_numbers." + std::to_string(::getpid()) + ".json");
+  design::write_design(file, d);
+  Design again = design::read_intact_design(file);
+  fs::remove(file);
+  return again;
+}
+
+using Numbers = std::vector<int>;
+Numbers numbers_of(const Design& d) {
+  return design::all_numbers(d.layout);
+}
+
+// Labels and printed sheets name the modules that stay, and no module gets the label of one that is gone.
 TEST(EditDesign, NumbersOfModulesThatStayHold) {
   const Design before = ring();
+  EXPECT_EQ(numbers_of(before), (Numbers{0, 1, 2, 3, 4}));
   const EditedDesign removed = edit_design(before, {{1}, {}});
-  EXPECT_EQ(removed.new_id, (std::vector{0, -1, 2, 3, 1}));
+  EXPECT_EQ(removed.new_id, (std::vector{0, -1, 1, 2, 3}));
+  EXPECT_EQ(numbers_of(removed.design), (Numbers{0, 2, 3, 4}));
   expect_where_they_stood(before, removed);
   EXPECT_EQ(broken_by(removed.design), Nothing{});
   const EditedDesign replaced = edit_design(before, {{1}, {TileOfIsland{0, kRing[kMissing]}}});
-  EXPECT_EQ(replaced.new_id, (std::vector{0, -1, 2, 3, 4}));
-  EXPECT_EQ(replaced.added, std::vector{1});
+  EXPECT_EQ(replaced.added, std::vector{4});
+  EXPECT_EQ(numbers_of(replaced.design), (Numbers{0, 2, 3, 4, 5}));
   expect_where_they_stood(before, replaced);
   EXPECT_EQ(broken_by(replaced.design), Nothing{});
+  // Number 5 was given; when its module goes, the next one is 6, also after the file was read.
+  const Design without = read_back(edit_design(read_back(replaced.design), {{4}, {}}).design);
+  EXPECT_EQ(numbers_of(without), (Numbers{0, 2, 3, 4}));
+  EXPECT_EQ(broken_by(without), Nothing{});
+  const Design again = edit_design(without, {{}, {TileOfIsland{0, kRing[kMissing]}}}).design;
+  EXPECT_EQ(numbers_of(again), (Numbers{0, 2, 3, 4, 6}));
+  EXPECT_EQ(read_back(again).layout.modules.back().neighbour, again.layout.modules.back().neighbour);
+  EXPECT_EQ(numbers_of(mirror_design(again, {Vec3::UnitY(), 0.0}).design), numbers_of(again));
+}
+
+TEST(EditDesign, NumbersEnd) {
+  Design d = ring();
+  d.next_number = design::kMaxModuleNumber;
+  d = edit_design(d, {{}, {TileOfIsland{0, kRing[kMissing]}}}).design;
+  EXPECT_EQ(numbers_of(d), (Numbers{0, 1, 2, 3, 4, 65'535}));
+  EXPECT_EQ(broken_by(d), Nothing{});
+  d = read_back(edit_design(d, {{5}, {}}).design);
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{}, {TileOfIsland{0, kRing[kMissing]}}}); }).find("end at 65535"),
+            std::string::npos);
+}
+
+// Messages name modules by number: with 1 gone, module 4 has id 3 and module 2 id 1.
+TEST(EditDesign, MessagesNameNumbers) {
+  const Design d = edit_design(ring(), {{1}, {}}).design;
+  EXPECT_NE(error_of([&] {
+              (void)edit_design(d, {{}, {BesideModule{2, 1}}});
+            }).find("module 3 has no free side 1: module 2 is joined there"),
+            std::string::npos);
+}
+
+// The layout of an alternative: a module that stands where one stood has its number, wherever it is in the list.
+TEST(EditDesign, AnAlternativeKeepsTheNumbersOfItsModules) {
+  Design d = edit_design(ring(), {{1}, {TileOfIsland{0, kRing[kMissing]}}}).design;  // 0 2 3 4 5
+  design::Alternative other;
+  other.layout = edit_design(d, {{0}, {}}).design.layout;
+  other.layout.jumpers.clear();
+  std::swap(other.layout.modules[0], other.layout.modules[3]);
+  for (auto& m : other.layout.modules)
+    for (int& n : m.neighbour) n = n == 0 ? 3 : n == 3 ? 0 : n;
+  other.layout.numbers.clear();
+  d.alternatives = {other};
+  const Design taken = take_alternative(d, 0);
+  EXPECT_EQ(numbers_of(taken), (Numbers{2, 3, 4, 5}));
+  EXPECT_EQ(taken.layout.modules[3].corner_mm, d.layout.modules[4].corner_mm);
+  EXPECT_EQ(broken_by(taken), Nothing{});
+  for (auto& m : d.alternatives[0].layout.modules)
+    for (Vec3& c : m.corner_mm) c.x() += 0.25;
+  EXPECT_EQ(numbers_of(take_alternative(d, 0)), (Numbers{0, 1, 2, 3}));
 }
 
 TEST(EditDesign, adds_the_module_that_closes_a_ring) {
@@ -175,10 +238,10 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   const Design image = mirror_design(d, {Vec3::UnitY(), 0.0}).design;
   EXPECT_EQ(kinds(image), kinds(d));
   EXPECT_EQ(broken_by(image), Nothing{});
-  // Module 1 is removed and added again with its number and, above the lattice point, its kind; 4 keeps the kind that
-  // it has by number; the missing one below gets the standard kind.
+  // Module 1 is removed and added again as the fifth, above the lattice point, with its kind; 4 keeps the kind that it
+  // has by number; the missing one below gets the standard kind.
   const EditedDesign e = edit_design(d, {{1}, {TileOfIsland{0, kRing[1]}, TileOfIsland{0, kRing[kMissing]}}});
-  EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 1, 0, 1, 0}));
+  EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 0, 1, 1, 0}));
   EXPECT_EQ(e.design.kinds.regions.size(), 1U);
   EXPECT_EQ(broken_by(e.design), Nothing{});
   Design damaged = d;

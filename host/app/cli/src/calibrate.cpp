@@ -45,11 +45,11 @@ double kpa_per_gram(const Options& options, const design::Design& design) {
   return kKpaPerNewtonPerMm2 * kNewtonPerGram / foot_mm2;
 }
 
-std::string request_of(const skin::PressureStep& step, double kpa_of_gram) {
+std::string request_of(const design::Design& design, const skin::PressureStep& step, double kpa_of_gram) {
   if (step.pressure_kpa == 0.0) return "leave the skin untouched";
   if (step.module < 0) return fmt::format("bring the whole skin under {:g} kPa", step.pressure_kpa);
-  return fmt::format("put {:.6g} g on module {} ({:.3g} kPa)", step.pressure_kpa / kpa_of_gram, step.module,
-                     step.pressure_kpa);
+  return fmt::format("put {:.6g} g on module {} ({:.3g} kPa)", step.pressure_kpa / kpa_of_gram,
+                     design::number_of(design, step.module), step.pressure_kpa);
 }
 
 // Asks a person to apply the step and to confirm it with Enter.
@@ -63,14 +63,14 @@ void ask_person(const std::string& request) {
 
 // Returns the modules of --modules in ascending order; none stands for all.
 std::vector<layout::ModuleId> chosen_modules(const Options& options, const design::Design& design) {
-  std::vector<layout::ModuleId> chosen = module_ids("--modules", options.modules);
+  std::vector<layout::ModuleId> chosen = modules_named(design, "--modules", options.modules);
   std::ranges::sort(chosen);
   chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
   const std::vector<layout::ModuleId> here = skin::wanted_modules(design, {});
   for (const layout::ModuleId module : chosen) {
     if (!std::ranges::binary_search(here, module))
-      throw InputError(
-          fmt::format("--modules: there is no module {} here; there are {}", module, module_ids_text(here)));
+      throw InputError(fmt::format("--modules: there is no module {} here; there are {}",
+                                   design::number_of(design, module), modules_text(design, here)));
   }
   return chosen;
 }
@@ -90,7 +90,7 @@ skin::CalibrationOutcome measure_steps(const Options& options, session::Bus& bus
   layout::ModuleId pressed = layout::ModuleId::none();
   calibrate.apply = [&](const skin::PressureStep& step) {
     if (interrupt_request()) throw Cancelled("stopped by the user");
-    if (actuator == nullptr) return ask_person(request_of(step, of_gram));
+    if (actuator == nullptr) return ask_person(request_of(design, step, of_gram));
     if (pressed != step.module) actuator->pressurize(pressed, 0.0);
     actuator->pressurize(pressed = step.module, step.pressure_kpa);
   };
@@ -119,7 +119,7 @@ std::string rest_of(const skin::CalibrateOptions& options, const design::Design&
                     std::span<const layout::ModuleId> measured) {
   std::vector<layout::ModuleId> wanted = skin::wanted_modules(design, options);
   std::erase_if(wanted, [&](layout::ModuleId module) { return std::ranges::binary_search(measured, module); });
-  return module_ids_text(wanted);
+  return modules_text(design, wanted);
 }
 
 // A simulation without noise has errors far below what anybody can measure.
@@ -127,25 +127,27 @@ std::string at_least(double value, double smallest, const char* unit) {
   return value < smallest ? fmt::format("below {:g} {}", smallest, unit) : fmt::format("{:.2g} {}", value, unit);
 }
 
-nlohmann::json report_uncalibrated(const skin::CalibrationOutcome& outcome, const Output& output) {
+nlohmann::json report_uncalibrated(const design::Design& design, const skin::CalibrationOutcome& outcome,
+                                   const Output& output) {
   for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
-                           outcome.without[k].module, outcome.without[k].taxel));
+                           design::number_of(design, outcome.without[k].module), outcome.without[k].taxel));
   if (outcome.without.size() > kMaxNamed)
     output.say(fmt::format("… and {} more", counted(outcome.without.size() - kMaxNamed, "taxel")));
   nlohmann::json without = nlohmann::json::array();
-  for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
+  for (const auto& [module, taxel] : outcome.without)
+    without.push_back({{"module", design::number_of(design, module)}, {"taxel", taxel}});
   return without;
 }
 
-void print_report(const skin::CalibrationOutcome& outcome, Output& output) {
+void print_report(const design::Design& design, const skin::CalibrationOutcome& outcome, Output& output) {
   const design::CalibrationQuality& q = outcome.quality;
   output.say(fmt::format(
       "{} of {} calibrated up to {:g} kPa; error of a sensitivity {} (median), {} (worst), 95 % bound; "
       "farthest from the line {}",
       q.taxels, counted(q.taxels + q.missing, "taxel"), q.max_kpa, at_least(q.median_percent, kMinError_percent, "%"),
       at_least(q.worst_percent, kMinError_percent, "%"), at_least(q.residual_kpa, kMinError_kpa, "kPa")));
-  nlohmann::json without = report_uncalibrated(outcome, output);
+  nlohmann::json without = report_uncalibrated(design, outcome, output);
   output.result = {{"taxels", q.taxels},
                    {"median_percent", q.median_percent},
                    {"worst_percent", q.worst_percent},
@@ -223,7 +225,7 @@ int run(const Options& options, Output& output) {
   own.calibrate.stream = robot::stream_options(bus.config(), streamed, own.calibrate.stream);
   own.calibrate.modules = chosen_modules(own, cover.design());
   skin::CalibrationOutcome outcome = measure(own, bus, cover, output);
-  print_report(outcome, output);
+  print_report(cover.design(), outcome, output);
   if (outcome.quality.taxels == 0) {
     output.say("no taxel followed the pressure: nothing was kept");
     return 1;

@@ -3,17 +3,19 @@
 
 #include <fmt/format.h>
 
+#include "triskin/design/module_number.hpp"
+
 namespace triskin::cli {
 
-nlohmann::json finding_json(const diagnose::Finding& f) {
+nlohmann::json finding_json(const design::Design& design, const diagnose::Finding& f) {
   nlohmann::json j = {{"kind", diagnose::kFindingKindNames.name(f.kind)}, {"text", f.text}, {"remedy", f.remedy}};
-  j["module"] = f.module >= 0 ? nlohmann::json(f.module) : nlohmann::json(nullptr);
+  j["module"] = f.module >= 0 ? nlohmann::json(design::number_of(design, f.module)) : nlohmann::json(nullptr);
   j["patch"] = f.patch >= 0 ? nlohmann::json(f.patch) : nlohmann::json(nullptr);
-  if (f.other >= 0) j["other"] = f.other;
+  if (f.other >= 0) j["other"] = design::number_of(design, f.other);
   if (f.line >= 0) j["line"] = f.line;
   if (f.address >= 0) j["address"] = f.address;
   if (f.taxel >= 0) j["taxel"] = f.taxel;
-  if (!f.behind.empty()) j["behind"] = f.behind;
+  if (!f.behind.empty()) j["behind"] = design::numbers_of(design, f.behind);
   if (f.held_design != 0) j["held_design"] = fmt::format("{:016x}", f.held_design);
   if (!f.held_file.empty()) j["held_file"] = f.held_file;
   if (!f.place.empty()) j["place"] = f.place;

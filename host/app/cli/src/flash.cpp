@@ -187,7 +187,7 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
 // Numbers of patches and modules refer to one cover.
 void require_cover(const Options& options, const robot::Site& site) {
   const bool of_one = options.flash.patch >= 0 || !options.flash.assign.empty() || !options.assign_file.empty() ||
-                      options.flash.route.module >= 0;
+                      options.route != "normal";
   if (site.is_robot && of_one && options.site.cover.empty())
     throw InputError(
         "--patch, --assign, --assign-file and --route count patches and modules of one cover: say which with --cover");
@@ -223,7 +223,6 @@ void require_backup_files(const BackupOptions& backup) {
 
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
-  options.flash.route = session::parse_route(options.route);
   for (const std::string& text : options.assign) {
     const auto [patch, serial] = robot::parse_serial(text);
     options.flash.assign.push_back({patch, serial});
@@ -231,6 +230,8 @@ int run(Options options, Output& output) {
   const std::optional<deploy::FirmwarePackage> firmware = package_of(options);
   skin::LiveSkin skin = open_skin(options.site, output);
   require_cover(options, skin.site());
+  if (options.route != "normal")
+    options.flash.route = session::parse_route(options.route, skin.site().buses.at(0).covers.at(0).design);
   add_board_file(options, skin.site());
   require_backup_files(options.backup);
   if (!options.backup.save.empty()) save_backup(skin, options.backup, output);

@@ -29,7 +29,7 @@ struct Options {
   session::StreamOptions stream;
   CalibrationOptions calibration;
   double seconds = 0.0;
-  int press = kWalk;  // The value is a module, kNobody or kWalk.
+  int press = kWalk;  // The value is the number of a module, kNobody or kWalk.
   int taxel = -1;
   bool tare = false;
 };
@@ -47,7 +47,9 @@ class Demonstrator {
                       ? cover.actuator()
                       : nullptr),
         options_(options),
-        modules_(static_cast<int>(cover.design().layout.modules.size())) {}
+        modules_(static_cast<int>(cover.design().layout.modules.size())),
+        pressed_(options.press < 0 ? layout::ModuleId::none()
+                                   : design::require_module(cover.design(), {options.press})) {}
   void step(std::uint64_t elapsed_us) {
     if (actuator_ == nullptr || modules_ == 0 || options_.press == kNobody || elapsed_us < kRest_us) return;
     const int turn = static_cast<int>(elapsed_us / kFingerMoves_us);
@@ -57,9 +59,9 @@ class Demonstrator {
       actuator_->press({layout::ModuleId{turn % modules_},
                         layout::TaxelIndex{kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]}});
     else if (options_.taxel < 0)
-      actuator_->press(layout::ModuleId{options_.press});
+      actuator_->press(pressed_);
     else
-      actuator_->press({layout::ModuleId{options_.press}, layout::TaxelIndex{options_.taxel}});
+      actuator_->press({pressed_, layout::TaxelIndex{options_.taxel}});
   }
 
  private:
@@ -69,6 +71,7 @@ class Demonstrator {
   link::TouchActuator* actuator_;
   const Options& options_;
   int modules_;
+  layout::ModuleId pressed_;
   int turn_ = -1;
 };
 
@@ -159,9 +162,6 @@ class Show {
 int show_cover(const Options& options, skin::LiveBus& bus, Output& output) {
   skin::LiveCover& cover = bus.covers().front();
   const design::Design& design = cover.design();
-  const int modules = static_cast<int>(design.layout.modules.size());
-  if (options.press >= modules)
-    throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
   std::vector<std::string> lines;
   nlohmann::json offsets = read_offset_lines(bus.bus(), design, lines);
   for (const std::string& line : lines) output.say(line);

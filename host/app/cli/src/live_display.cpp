@@ -50,7 +50,7 @@ bool is_above_range(const skin::SkinContact& c, const design::SkinCalibration& c
          });
 }
 
-nlohmann::json contacts_json(const std::vector<skin::SkinContact>& contacts,
+nlohmann::json contacts_json(const design::Design& design, const std::vector<skin::SkinContact>& contacts,
                              const design::SkinCalibration& calibration) {
   nlohmann::json list = nlohmann::json::array();
   for (const skin::SkinContact& c : contacts) {
@@ -59,7 +59,7 @@ nlohmann::json contacts_json(const std::vector<skin::SkinContact>& contacts,
                     {"normal", numbers_of(c.normal)},
                     {"area_mm2", c.area_mm2},
                     {"change_counts", c.change_counts},
-                    {"module", c.taxels.front().module},
+                    {"module", design::number_of(design, c.taxels.front().module)},
                     {"taxel", c.taxels.front().taxel},
                     {"taxels", c.taxels.size()}});
     if (!std::isfinite(c.force_n)) continue;
@@ -91,7 +91,7 @@ class Lines final : public LiveDisplay {
     output_.say(fmt::format("{:7.2f} s  {} {:<24}{}{}", state.time_s, place_text(monitor, first),
                             bar_of(first.change_counts), more_taxels(pressed.size() - 1), force_of(monitor)));
     for (const skin::SkinContact& c : monitor.contacts())
-      output_.say(fmt::format("{:>11}{}", "", contact_text(c, monitor.calibration())));
+      output_.say(fmt::format("{:>11}{}", "", contact_text(monitor.design(), c, monitor.calibration())));
     return Wish::kNothing;
   }
 
@@ -198,7 +198,7 @@ class Screen final : public LiveDisplay {
     std::vector<std::string> below = pressed_lines(monitor, columns);
     if (const std::string remark = design::sentence(monitor.off_rest()); !remark.empty()) below.push_back(remark);
     for (const session::AdoptedCounts& a : state.adopted)
-      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
+      below.push_back(fmt::format("module {} is read by the controller of patch {}", a.number, a.patch));
     if (!state.note.empty()) below.push_back(for_terminal(state.note));
     below.push_back(
         fmt::format("n p f: patch ({})  u: unit ({})", has_chosen_ ? "chosen" : "pressed", name_of(unit(monitor))));
@@ -213,7 +213,7 @@ class Screen final : public LiveDisplay {
       below.push_back(place_text(monitor, pressed[k]));
     const auto contacts = monitor.contacts();
     for (std::size_t k = 0; k < std::min(kMaxContacts, contacts.size()); ++k)
-      below.push_back(contact_text(contacts[k], monitor.calibration()));
+      below.push_back(contact_text(monitor.design(), contacts[k], monitor.calibration()));
     if (pressed.size() > kMaxTaxels) below.push_back(more_taxels(pressed.size() - kMaxTaxels));
     for (std::string& line : trace_.lines(static_cast<std::size_t>(std::max(1, columns - 1)), kStep_s))
       below.push_back(std::move(line));
@@ -298,12 +298,14 @@ std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
       is_kpa ? fmt::format("{:6.2f} kPa", calibration.pressure_kpa({t.module, t.taxel}, t.change_counts))
              : fmt::format("{:6.0f} counts", t.change_counts);
   const bool is_above = is_kpa && calibration.is_above_range({t.module, t.taxel}, t.change_counts);
-  return fmt::format("module {:4} taxel {:2}  {}{}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel, value,
-                     is_above ? kAboveRange : "", t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
+  return fmt::format("module {:4} taxel {:2}  {}{}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm",
+                     design::number_of(monitor.design(), t.module), t.taxel, value, is_above ? kAboveRange : "",
+                     t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
 }
 
-std::string contact_text(const skin::SkinContact& c, const design::SkinCalibration& calibration) {
-  std::string text = fmt::format("contact  module {}  ", c.taxels.front().module);
+std::string contact_text(const design::Design& design, const skin::SkinContact& c,
+                         const design::SkinCalibration& calibration) {
+  std::string text = fmt::format("contact  module {}  ", design::number_of(design, c.taxels.front().module));
   if (std::isfinite(c.force_n)) text += fmt::format("{:.2f} N ± {:.2f}  ", c.force_n, c.force_sd_n);
   if (is_above_range(c, calibration)) text += fmt::format("{}  ", kAboveRange + 1);
   return text + fmt::format("at ({:8.2f}, {:8.2f}, {:8.2f}) mm ± {:.1f}  {:.0f} mm²", c.position_mm.x(),
@@ -320,7 +322,7 @@ nlohmann::json pressed_json(const LiveMonitor& monitor) {
   const bool calibrated = monitor.calibration().complete();
   nlohmann::json pressed = nlohmann::json::array();
   for (const PressedTaxel& t : monitor.touches().pressed()) {
-    pressed.push_back({{"module", t.module},
+    pressed.push_back({{"module", design::number_of(monitor.design(), t.module)},
                        {"taxel", t.taxel},
                        {"change_counts", t.change_counts},
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
@@ -341,7 +343,7 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   line["unit"] = name_of(best_unit(monitor));
   line["off_rest"] = to_json(monitor.off_rest());
   const auto contacts = monitor.contacts();
-  line["contacts"] = contacts_json(contacts, monitor.calibration());
+  line["contacts"] = contacts_json(monitor.design(), contacts, monitor.calibration());
   if (monitor.calibration().complete()) {
     line["force_n"] = monitor.force_n();
     const skin::NetForce net = skin::net_force(contacts);
@@ -350,7 +352,7 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   }
   if (state.error_us) line["time_error_us"] = *state.error_us;
   for (const session::AdoptedCounts& a : state.adopted)
-    line["adopted"].push_back({{"module", a.module}, {"patch", a.patch}});
+    line["adopted"].push_back({{"module", a.number}, {"patch", a.patch}});
   return line;
 }
 

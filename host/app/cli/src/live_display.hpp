@@ -53,7 +53,8 @@ class LiveDisplay {
 [[nodiscard]] std::string more_taxels(std::size_t number);
 /// Describes a contact's place, force and area with deviations; without a calibration the force is left out. Says
 /// when a taxel of it is pressed more than the calibration covers.
-[[nodiscard]] std::string contact_text(const skin::SkinContact& contact, const design::SkinCalibration& calibration);
+[[nodiscard]] std::string contact_text(const design::Design& design, const skin::SkinContact& contact,
+                                       const design::SkinCalibration& calibration);
 /// Writes the keys "taxels" (the number) and "modules".
 [[nodiscard]] nlohmann::json to_json(const design::OffRest& off);
 /// Writes the keys "time_s", "frames", "lost", "pressed", "contacts", "unit", "off_rest", with a calibration "force_n",

@@ -96,7 +96,7 @@ class Repair {
     diagnose::name_files(result.findings, options_.site.file);
     json_ = nlohmann::json::array();
     for (const diagnose::Finding& f : result.findings) {
-      json_.push_back(finding_json(f));
+      json_.push_back(finding_json(cover().design, f));
       json_.back()["repair"] = diagnose::repair_steps(cover().design, f, arguments());
     }
     return std::move(result.findings);
@@ -107,7 +107,8 @@ class Repair {
            std::ranges::find(about->behind, module) != about->behind.end();
   }
   bool ask_for_press(layout::ModuleId module) {
-    return ask(output_, fmt::format("press module {} after Enter.", module)) == Answer::kDone;
+    return ask(output_, fmt::format("press module {} after Enter.", design::number_of(cover().design, module))) ==
+           Answer::kDone;
   }
 
   [[nodiscard]] const diagnose::Finding* next_of(const std::vector<diagnose::Finding>& findings) const {

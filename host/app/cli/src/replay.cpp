@@ -14,6 +14,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::cli::replay_command {
@@ -89,13 +90,17 @@ class Player {
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };
 
-void tell_readers(const recording::Summary& summary, const Player& player, Output& output) {
+void tell_readers(const design::Design& design, const recording::Summary& summary, const Player& player,
+                  Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   for (const recording::ReaderChange& c : summary.reader_changes) {
     const double time_s = player.time_s(c.link_time_us);
-    rows.push_back({{"time_s", time_s}, {"module", c.module}, {"patch", c.reader.patch}, {"node", c.reader.node}});
-    output.say(fmt::format("from {:.2f} s on module {} is read by {}controller of patch {}", time_s, c.module,
-                           c.own ? "its own, the " : "the ", c.reader.patch));
+    rows.push_back({{"time_s", time_s},
+                    {"module", design::number_of(design, c.module)},
+                    {"patch", c.reader.patch},
+                    {"node", c.reader.node}});
+    output.say(fmt::format("from {:.2f} s on module {} is read by {}controller of patch {}", time_s,
+                           design::number_of(design, c.module), c.own ? "its own, the " : "the ", c.reader.patch));
   }
   output.result["readers"] = std::move(rows);
 }
@@ -124,7 +129,7 @@ int run(const Options& options, Output& output) {
   output.result["samples"] = player.state().frames;
   output.result["seconds"] = player.state().time_s;
   output.result["complete"] = summary.file.complete;
-  tell_readers(summary, player, output);
+  tell_readers(design, summary, player, output);
   output.say(fmt::format("{} in {:.2f} s", counted(player.state().frames, "module sample"), player.state().time_s));
   if (!summary.file.complete)
     output.say(fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem));

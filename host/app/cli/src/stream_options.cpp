@@ -12,7 +12,7 @@ nlohmann::json losses_of(const session::StreamReport& r) {
   nlohmann::json rows = nlohmann::json::array();
   for (const session::ModuleCounts& m : r.modules) {
     if (m.counts.lost() == 0 && !m.never_heard() && !m.slow) continue;
-    rows.push_back({{"module", m.module},
+    rows.push_back({{"module", m.number},
                     {"patch", m.patch},
                     {"expected", m.counts.expected},
                     {"received", m.counts.received},

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "triskin/base/counted.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/diagnose/topology.hpp"
 
 namespace triskin::cli {
@@ -48,18 +49,19 @@ json route_json(const wire::ActiveRoute& a) {
           {"seconds", a.last_us * 1e-6},    {"rows", std::move(rows)}};
 }
 
-json match_json(const diagnose::TopologyMatch& match, const std::string& file) {
+json match_json(const diagnose::TopologyMatch& match, const NamedDesign& named) {
+  const design::Design& design = named.second;
   json differences = json::array();
   for (const auto& d : match.differences) {
     json j = {{"kind", diagnose::kFindingKindNames.name(d.kind)}, {"text", d.text}, {"remedy", d.remedy}};
-    j["module"] = d.module >= 0 ? json(d.module) : json(nullptr);
-    if (d.other >= 0) j["other"] = d.other;
+    j["module"] = d.module >= 0 ? json(design::number_of(design, d.module)) : json(nullptr);
+    if (d.other >= 0) j["other"] = design::number_of(design, d.other);
     if (d.steps > 0) j["degrees"] = 120 * d.steps;
     differences.push_back(std::move(j));
   }
-  return {{"design", file},
+  return {{"design", named.first},
           {"patch", match.patch},
-          {"modules", match.module_of},
+          {"modules", design::numbers_of(design, match.module_of)},
           {"joints", match.agreeing_joints},
           {"differences", std::move(differences)}};
 }
@@ -114,7 +116,7 @@ json report_recognized(const wire::FoundTopology& found, const std::vector<Named
   json recognized = json::array();
   for (const auto& [d, match] : recognize(found, designs)) {
     if (match.another_patch()) continue;
-    recognized.push_back(match_json(match, designs[d].first));
+    recognized.push_back(match_json(match, designs[d]));
     if (match.patch == expected.patch && designs[d].second.design_id == expected.design_id) continue;
     output.say(expected.patch >= 0 ? "  better matches:" : "  recognized:");
     say_match(recognized.back(), output);
@@ -150,7 +152,7 @@ json report_topology(session::Controller& controller, const std::vector<NamedDes
       named != designs.end() && expected_patch >= 0 && expected_patch < static_cast<int>(named->second.patches.size());
   if (expected) {
     const auto match = diagnose::match_topology(found, named->second, expected_patch);
-    j["match"] = match_json(match, named->first);
+    j["match"] = match_json(match, *named);
     j["another_patch"] = match.another_patch();
     say_match(j["match"], output);
     if (match.differences.empty()) return j;

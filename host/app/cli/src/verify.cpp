@@ -20,6 +20,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
@@ -37,10 +38,10 @@ struct Options {
 
 // A person presses real modules: Enter first, then the finger; the program notices the touch itself. Only one question
 // is open at a time, even if several buses are verified.
-bool ask_person(const std::string& cover, layout::ModuleId module) {
+bool ask_person(const std::string& cover, design::ModuleNumber module) {
   static std::mutex one;
   const std::lock_guard lock(one);
-  std::cerr << cover << "Press module " << module << " after Enter (s: skip) " << std::flush;
+  std::cerr << cover << "Press module " << module.value << " after Enter (s: skip) " << std::flush;
   std::string line;
   return std::getline(std::cin, line) && line != "s";
 }
@@ -121,12 +122,12 @@ Told print_report(const robot::CoverConfig& cover, diagnose::VerifyResult r, ski
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
   for (const auto& f : r.findings) {
     const std::vector<std::string> steps = diagnose::repair_steps(cover.design, f, arguments);
-    findings.push_back(finding_json(f));
+    findings.push_back(finding_json(cover.design, f));
     findings.back()["repair"] = steps;
     for (const std::string& line : finding_lines(f, steps)) told.lines.push_back(name + line);
   }
   for (const auto& f : r.earlier) {
-    earlier.push_back(finding_json(f));
+    earlier.push_back(finding_json(cover.design, f));
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
@@ -166,7 +167,7 @@ std::vector<Told> verify_bus(skin::LiveBus& live, const Options& options, layout
     // A person at one patch is asked only for its modules.
     verify.ask = [&](layout::ModuleId module) {
       const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
-      return is_asked && ask_person(prefix_of(cover), module);
+      return is_asked && ask_person(prefix_of(cover), design::number_of(cover.design, module));
     };
     diagnose::VerifyResult result =
         diagnose::verify(live.bus(), cover.design, verify, progress_of(site, cover, progress));

@@ -15,6 +15,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/text_file.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/skin/live_skin.hpp"
 #include "triskin/view/browser.hpp"
 #include "triskin/view/comparison.hpp"
@@ -83,7 +84,7 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
   const auto patch = static_cast<std::size_t>(argument.code->patch);
   if (patch >= design.patches.size())
     throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
-  return fmt::format("#module-{}", design.patches[patch].entry);
+  return fmt::format("#module-{}", design::number_of(design, design.patches[patch].entry));
 }
 
 // The page shows N if the controllers answer and have a calibration; for a robot it shows counts. Standard output is

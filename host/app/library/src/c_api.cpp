@@ -10,6 +10,7 @@
 #include "skin.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 
 // The C interface declares this handle without its contents.
 struct triskin_skin {
@@ -84,6 +85,14 @@ triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_
   return guarded([&] {
     require_size("triskin_patches", n, triskin_module_count(skin));
     for (const auto& m : triskin::design::wiring_of(skin->skin.source().design)) *patches++ = m.patch;
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_module_numbers(const triskin_skin* skin, int32_t* numbers, size_t n) {
+  return guarded([&] {
+    require_size("triskin_module_numbers", n, triskin_module_count(skin));
+    std::ranges::copy(triskin::design::all_numbers(skin->skin.source().design.layout), numbers);
     return TRISKIN_OK;
   });
 }

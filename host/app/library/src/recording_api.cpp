@@ -9,6 +9,7 @@
 
 #include "guarded.hpp"
 #include "sample.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/recording/recorded_skin.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
@@ -49,7 +50,7 @@ void read_samples(triskin_recording& r, const std::string& file) {
   skin::TouchMap touches(r.skin.design, r.skin.rest);
   (void)recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (s.module < 0 || static_cast<std::size_t>(s.module) >= modules)
-      throw InputError(fmt::format("{}: a sample is of module {}, and its design has {}", file, s.module, modules));
+      throw InputError(fmt::format("{}: a sample is of a module that its design does not have", file));
     touches.add({s.module, s.link_time_us, s.sample});
     r.samples.push_back(recorded_sample(s, unix_start_ns, link_start_us));
     std::ranges::copy(touches.change(s.module), std::back_inserter(r.change_counts));
@@ -108,6 +109,15 @@ triskin_status triskin_recording_geometry(const triskin_recording* recording, do
       triskin::library::write_poses(design, normals, [](const auto& pose) { return pose.normal; });
     if (patches == nullptr) return TRISKIN_OK;
     for (const auto& m : triskin::design::wiring_of(design)) *patches++ = m.patch;
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_recording_module_numbers(const triskin_recording* recording, int32_t* numbers, size_t n) {
+  return guarded([&] {
+    const triskin::design::ModuleLayout& layout = recording->skin.design.layout;
+    require_size("triskin_recording_module_numbers", n, layout.modules.size());
+    std::ranges::copy(triskin::design::all_numbers(layout), numbers);
     return TRISKIN_OK;
   });
 }

@@ -124,6 +124,11 @@ class Skin {
     check(triskin_normals(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
+  [[nodiscard]] py::array_t<std::int32_t> numbers() const {
+    py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
+    check(triskin_module_numbers(open(), out.mutable_data(), modules_));
+    return out;
+  }
   [[nodiscard]] py::array_t<std::int32_t> patches() const {
     py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
     check(triskin_patches(open(), out.mutable_data(), modules_));
@@ -287,6 +292,8 @@ class Recording {
     patches = py::array_t<std::int32_t>(static_cast<py::ssize_t>(modules));
     check(triskin_recording_geometry(recording, positions_mm.mutable_data(), normals.mutable_data(),
                                      patches.mutable_data(), static_cast<std::size_t>(positions_mm.size())));
+    numbers = py::array_t<std::int32_t>(static_cast<py::ssize_t>(modules));
+    check(triskin_recording_module_numbers(recording, numbers.mutable_data(), modules));
     samples = py::array_t<triskin_sample>(static_cast<py::ssize_t>(count));
     change = py::array_t<double>({count, taxels});
     check(triskin_recording_samples(recording, samples.mutable_data(), change.mutable_data(), count));
@@ -326,7 +333,7 @@ class Recording {
   bool simulated = false;
   std::size_t modules = 0;
   py::array_t<double> positions_mm, normals, change;
-  py::array_t<std::int32_t> patches;
+  py::array_t<std::int32_t> patches, numbers;
   py::array_t<triskin_sample> samples;
 
  private:
@@ -386,6 +393,8 @@ void add_skin(py::module_& m) {
       .def_property_readonly("positions_mm", &Skin::positions_mm,
                              "Place of each taxel, (modules, 12, 3), mm, frame of the mesh or of the robot's base.")
       .def_property_readonly("normals", &Skin::normals, "Outward unit normal of each taxel, (modules, 12, 3).")
+      .def_property_readonly("numbers", &Skin::numbers,
+                             "Number of each module, (modules,): what its label, files and reports say.")
       .def_property_readonly("patches", &Skin::patches, "Patch of each module, (modules,); -1: none.")
       .def_property_readonly("covers", &Skin::covers, "Names of the covers; of a design one.")
       .def_property_readonly("cover", &Skin::cover, "Which of the covers each module is on, (modules,).")
@@ -393,7 +402,8 @@ void add_skin(py::module_& m) {
       .def("stop", &Skin::stop, "Ends the stream; what waits can still be read.")
       .def("read", &Skin::read, py::arg("seconds") = 0.0,
            "All samples that come within `seconds`, oldest first: a structured array with the fields time_s, error_s, "
-           "device_time_us, number, module, node, valid (bits) and value (12 counts). Starts the stream if need be.")
+           "device_time_us, number, module (index, as of all arrays), node, valid (bits) and value (12 counts). Starts "
+           "the stream if need be.")
       .def("counts", &Skin::counts, "Samples since start(): expected, received, lost, lost_here.")
       .def("tare", &Skin::tare, "Takes the present values for those of a skin that nobody touches.")
       .def("change_counts", &Skin::change_counts, "Counts below rest, (modules, 12): more is more pressure.")
@@ -406,7 +416,7 @@ void add_skin(py::module_& m) {
            "one.")
       .def("contacts", &Skin::contacts,
            "Regions under pressure, the strongest first: dicts with position_mm, normal, change_counts, force_n (NaN "
-           "without calibration), area_mm2, module, taxel (the strongest) and taxels (how many).")
+           "without calibration), area_mm2, module (index), taxel (the strongest) and taxels (how many).")
       .def("verify", &Skin::verify,
            "Whether the hardware is the design, and the report as text. A stream that runs pauses for that.")
       .def("__repr__", [](const Skin& s) { return "<triskin.Skin of " + std::to_string(s.modules()) + " modules>"; });
@@ -419,6 +429,7 @@ void add_recording(py::module_& m) {
       .def_readonly("simulated", &Recording::simulated, "Whether the samples are of a simulation.")
       .def_readonly("positions_mm", &Recording::positions_mm, "Place of each taxel, (modules, 12, 3), mm.")
       .def_readonly("normals", &Recording::normals, "Outward unit normal of each taxel, (modules, 12, 3).")
+      .def_readonly("numbers", &Recording::numbers, "Number of each module, (modules,), as of Skin.")
       .def_readonly("patches", &Recording::patches, "Patch of each module, (modules,); -1: none.")
       .def_readonly("samples", &Recording::samples, "All samples, as Skin.read gives them.")
       .def_readonly("change", &Recording::change, "Counts below rest of each sample, (samples, 12).")

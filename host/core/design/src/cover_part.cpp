@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/design/json_fields.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::design {
 namespace {
@@ -67,7 +68,7 @@ bool holds(const CoverPart& part, const ModuleLayout& layout, int id) {
   const PlacedModule& m = layout.modules.at(static_cast<std::size_t>(id));
   if (const auto* island = std::get_if<IslandPart>(&part)) return m.island == island->island;
   if (const auto* list = std::get_if<ModulePart>(&part))
-    return std::ranges::find(list->modules, id) != list->modules.end();
+    return std::ranges::find(list->modules, number_of(layout, id).value) != list->modules.end();
   return holds(part, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
 }
 

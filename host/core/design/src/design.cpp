@@ -121,6 +121,7 @@ std::uint64_t design_id_of(const Design& design) {
   for (const Patch& patch : design.patches) add_patch(patch, hash);
   if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
   if (!design.kinds.empty()) add_kinds(design, hash);
+  for (const int number : design.layout.numbers) hash.add(number);
   return hash.value();
 }
 

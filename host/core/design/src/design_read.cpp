@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::design {
@@ -55,8 +57,33 @@ auto index_below(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(0, static_cast<int>(n) - 1); };
 }
 
-auto index_or_none(std::size_t n) {
-  return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
+// Modules are named by their numbers; the design in memory has their indices.
+using Numbers = std::vector<int>;
+
+Numbers read_numbers(const JsonValue& modules) {
+  Numbers numbers;
+  numbers.reserve(modules.size());
+  for (std::size_t k = 0; k < modules.size(); ++k) {
+    const JsonValue id = modules.at(k)["id"];
+    const int number = id.integer(0, kMaxModuleNumber);
+    if (!numbers.empty() && number <= numbers.back())
+      id.fail(fmt::format("is {} after {}; the numbers of modules must ascend", number, numbers.back()));
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+auto module_in(const Numbers& numbers) {
+  return [&numbers](const JsonValue& v) {
+    const int number = v.integer(0, kMaxModuleNumber);
+    const auto found = std::ranges::lower_bound(numbers, number);
+    if (found == numbers.end() || *found != number) v.fail(fmt::format("names module {}, which is not there", number));
+    return static_cast<int>(found - numbers.begin());
+  };
+}
+
+auto module_or_none(const Numbers& numbers) {
+  return [&numbers](const JsonValue& v) { return v.integer(-1, kMaxModuleNumber) < 0 ? -1 : module_in(numbers)(v); };
 }
 
 void read_limits(const JsonValue& v, LayoutLimits& l) {
@@ -77,23 +104,23 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   if (has(v, "fold_towards_rad")) l.fold_towards_rad = magnitude(v["fold_towards_rad"]);
 }
 
-void read_jumper_ends(const JsonValue& modules, const JsonValue& sides, std::size_t n_modules, Jumper& j) {
+void read_jumper_ends(const JsonValue& modules, const JsonValue& sides, const Numbers& numbers, Jumper& j) {
   modules.require_size(2);
   sides.require_size(2);
   for (std::size_t k = 0; k < 2; ++k) {
-    j.node[k] = index_below(n_modules)(modules.at(k));
+    j.node[k] = module_in(numbers)(modules.at(k));
     j.side[k] = sides.at(k).integer(0, 2);
   }
-  if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
+  if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser number first");
 }
 
-Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
+Jumper read_jumper(const JsonValue& v, const Numbers& numbers) {
   only_keys(v, {"kind", "modules", "sides", "length_mm", "fold_rad"}, kDesignPage);
   Jumper j;
   const auto kind = kJumperKindNames.value(v["kind"].text());
   if (!kind) v["kind"].fail("must be " + kJumperKindNames.list());
   j.kind = *kind;
-  read_jumper_ends(v["modules"], v["sides"], n_modules, j);
+  read_jumper_ends(v["modules"], v["sides"], numbers, j);
   j.length_mm = magnitude(v["length_mm"]);
   j.fold_rad = number(v["fold_rad"]);
   return j;
@@ -177,14 +204,13 @@ void read_deviations(const JsonValue& v, PlacedModule& m) {
   m.overrun_mm = magnitude(v["overrun_mm"]);
 }
 
-PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modules) {
+PlacedModule read_module(const JsonValue& v, const Numbers& numbers) {
   only_keys(v, kModuleKeys, kDesignPage);
-  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
   PlacedModule m;
   m.island = v["island"].integer(0, kMaxCount);
   m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
   m.corner_mm = triple(v["corners"], vec3);
-  m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
+  m.neighbour = triple(v["neighbours"], module_or_none(numbers));
   read_deviations(v, m);
   // The radius has no upper bound, because a place can be almost flat.
   m.bend_radius_mm = v["bend_radius_mm"].number();
@@ -192,62 +218,61 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   return m;
 }
 
-RoutedModule read_routed(const JsonValue& v, int node, std::size_t n_modules) {
+RoutedModule read_routed(const JsonValue& v, int node, const Numbers& numbers) {
   return {node,
-          v["parent"].integer(-1, static_cast<int>(n_modules) - 1),
+          module_or_none(numbers)(v["parent"]),
           v["rotation"].integer(0, 2),
           v["line"].integer(0, 3),
           v["address"].integer(0, 3),
           v["depth"].integer(0, kMaxCount)};
 }
 
-std::array<int, 2> pair_of(const JsonValue& v, std::size_t n_modules) {
+std::array<int, 2> pair_of(const JsonValue& v, const Numbers& numbers) {
   v.require_size(2);
-  return {index_below(n_modules)(v.at(0)), index_below(n_modules)(v.at(1))};
+  return {module_in(numbers)(v.at(0)), module_in(numbers)(v.at(1))};
 }
 
 // Reads a child and its parent; −1 as parent of the second entry is the controller.
-std::array<int, 2> backup_of(const JsonValue& v, std::size_t n_modules) {
+std::array<int, 2> backup_of(const JsonValue& v, const Numbers& numbers) {
   v.require_size(2);
-  return {index_below(n_modules)(v.at(0)), index_or_none(n_modules)(v.at(1))};
+  return {module_in(numbers)(v.at(0)), module_or_none(numbers)(v.at(1))};
 }
 
-FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
+FailureLoss read_failure(const JsonValue& v, const Numbers& numbers) {
   only_keys(v, {"module", "other", "lost_strapped", "lost_rerouted", "lost_one_entry", "backup"}, kDesignPage);
   FailureLoss f;
-  f.node = index_below(n_modules)(v["module"]);
-  f.other_node = index_or_none(n_modules)(v["other"]);
+  f.node = module_in(numbers)(v["module"]);
+  f.other_node = module_or_none(numbers)(v["other"]);
   f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
   f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
   f.lost_one_entry = v["lost_one_entry"].integer(0, kMaxCount);
-  f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
+  f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, numbers); });
   return f;
 }
 
-void read_entries(const JsonValue& v, std::size_t n_modules, Patch& patch) {
-  patch.entry = index_below(n_modules)(v["entry"]);
-  patch.second_entry = index_or_none(n_modules)(v["second_entry"]);
+void read_entries(const JsonValue& v, const Numbers& numbers, Patch& patch) {
+  patch.entry = module_in(numbers)(v["entry"]);
+  patch.second_entry = module_or_none(numbers)(v["second_entry"]);
   const bool has_second = patch.second_entry >= 0;
   patch.second_entry_side = v["second_entry_side"].integer(has_second ? 0 : -1, has_second ? 2 : -1);
 }
 
-Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
+Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules, const Numbers& numbers) {
   only_keys(v,
             {"id", "node_address", "entry", "second_entry", "second_entry_side", "modules", "cut_joints", "line_hops",
              "max_depth", "failures"},
             kDesignPage);
-  const std::size_t n = modules.size();
   if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
   if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
   Patch patch;
-  read_entries(v, n, patch);
-  for (const int node : list(v["modules"], index_below(n))) {
-    patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, n));
+  read_entries(v, numbers, patch);
+  for (const int node : list(v["modules"], module_in(numbers))) {
+    patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, numbers));
   }
-  patch.cut_joints = list(v["cut_joints"], [&](const JsonValue& j) { return pair_of(j, n); });
+  patch.cut_joints = list(v["cut_joints"], [&](const JsonValue& j) { return pair_of(j, numbers); });
   patch.line_hops = v["line_hops"].integer(0, kMaxCount);
   patch.max_depth = v["max_depth"].integer(0, kMaxCount);
-  patch.failures = list(v["failures"], [&](const JsonValue& f) { return read_failure(f, n); });
+  patch.failures = list(v["failures"], [&](const JsonValue& f) { return read_failure(f, numbers); });
   return patch;
 }
 
@@ -324,7 +349,7 @@ bool is_taxel(const nlohmann::json& j, const TaxelPose& expected) {
   return is_close(j["position"], expected.position_mm) && is_close(j["normal"], expected.normal);
 }
 
-void require_derived(const JsonValue& v, const PlacedModule& module, const ModuleWiring& wiring) {
+void require_derived(const JsonValue& v, const Design& d, int id, const ModuleWiring& wiring) {
   const auto is = [&v](const char* key, int expected) {
     if (v[key].integer(-1, kMaxCount) != expected) v[key].fail(fmt::format("must be {}, as the patches say", expected));
   };
@@ -332,9 +357,9 @@ void require_derived(const JsonValue& v, const PlacedModule& module, const Modul
   is("line", wiring.routed.line);
   is("address", wiring.routed.address);
   is("rotation", wiring.routed.rotation);
-  is("parent", wiring.routed.parent);
+  is("parent", number_of(d, wiring.routed.parent).value);
   is("depth", wiring.routed.depth);
-  const auto poses = taxels_of(module, wiring.routed.rotation);
+  const auto poses = taxels_of(d.layout.modules[static_cast<std::size_t>(id)], wiring.routed.rotation);
   const JsonValue taxels = v["taxels"];
   taxels.require_size(poses.size());
   for (std::size_t t = 0; t < poses.size(); ++t) {
@@ -345,9 +370,9 @@ void require_derived(const JsonValue& v, const PlacedModule& module, const Modul
 void check_head(const JsonValue& v) {
   require_head(v, "triskin-design", has(v, "jumpers") ? Design::kJumperVersion : Design::kVersion,
                "make the design again, or use the release that wrote it");
-  only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",     "limits",
-                "method", "islands", "pieces", "modules",       "patches", "refused", "report",      "side",
-                "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives"},
+  only_keys(v, {"format", "version", "name",   "design_id",     "seed",    "source",  "surface",      "limits",
+                "method", "islands", "pieces", "modules",       "patches", "refused", "report",       "side",
+                "kinds",  "jumpers", "price",  "corner_cut_mm", "taken",   "regions", "alternatives", "next_module"},
             kDesignPage);
 }
 
@@ -376,18 +401,21 @@ void read_layout(const JsonValue& v, Design& d) {
   d.layout.corner_cut_mm = read_corner_cut(v);
   d.layout.islands = v["islands"].integer(0, kMaxCount);
   const JsonValue modules = v["modules"];
-  for (std::size_t k = 0; k < modules.size(); ++k)
-    d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
+  const Numbers numbers = read_numbers(modules);
+  d.layout.modules = list(modules, [&](const JsonValue& m) { return read_module(m, numbers); });
+  set_numbers(d.layout, numbers);
+  if (has(v, "next_module")) d.next_number = v["next_module"].integer(next_number(d), kMaxModuleNumber + 1);
   if (has(v, "kinds")) read_kinds(v, d);
   if (has(v, "jumpers"))
-    d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
+    d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, numbers); });
 }
 
 void read_wiring(const JsonValue& v, Design& d) {
   const JsonValue modules = v["modules"], patches = v["patches"];
-  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
+  const Numbers numbers = all_numbers(d.layout);
+  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules, numbers));
   const std::vector<ModuleWiring> wiring = wiring_of(d);
-  for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d.layout.modules[k], wiring[k]);
+  for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d, static_cast<int>(k), wiring[k]);
 }
 
 void read_refused(const JsonValue& v, ModuleLayout& layout) {

@@ -10,6 +10,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::design {
 namespace {
@@ -51,9 +52,9 @@ json limits_json(const LayoutLimits& l, bool with_jumpers) {
   return limits;
 }
 
-json jumper_json(const Jumper& j) {
+json jumper_json(const Design& design, const Jumper& j) {
   return {{"kind", kJumperKindNames.name(j.kind)},
-          {"modules", j.node},
+          {"modules", numbers_of(design, j.node)},
           {"sides", j.side},
           {"length_mm", j.length_mm},
           {"fold_rad", j.fold_rad}};
@@ -77,18 +78,19 @@ json piece_json(const PlacedPiece& p) {
           {"proved", p.proved}};
 }
 
-json module_json(const PlacedModule& m, int id, const ModuleWiring& wiring) {
+json module_json(const Design& design, int id, const ModuleWiring& wiring) {
+  const PlacedModule& m = design.layout.modules[static_cast<std::size_t>(id)];
   json taxels = json::array();
   for (const TaxelPose& t : taxels_of(m, wiring.routed.rotation)) {
     taxels.push_back({{"position", to_json(t.position_mm)}, {"normal", to_json(t.normal)}});
   }
-  return {{"id", id},
+  return {{"id", number_of(design, id)},
           {"island", m.island},
           {"i", m.tile.i},
           {"j", m.tile.j},
           {"up", m.tile.up},
           {"corners", list(m.corner_mm)},
-          {"neighbours", m.neighbour},
+          {"neighbours", numbers_of(design, m.neighbour)},
           {"edge_error_mm", m.edge_error_mm},
           {"hinge_gap_mm", m.hinge_gap_mm},
           {"fold_rad", m.fold_rad},
@@ -102,32 +104,37 @@ json module_json(const PlacedModule& m, int id, const ModuleWiring& wiring) {
           {"line", wiring.routed.line},
           {"address", wiring.routed.address},
           {"rotation", wiring.routed.rotation},
-          {"parent", wiring.routed.parent},
+          {"parent", number_of(design, wiring.routed.parent)},
           {"depth", wiring.routed.depth},
           {"taxels", std::move(taxels)}};
 }
 
-json failure_json(const FailureLoss& f) {
-  return {{"module", f.node},
-          {"other", f.other_node},
-          {"lost_strapped", f.lost_strapped},
-          {"lost_rerouted", f.lost_rerouted},
-          {"lost_one_entry", f.lost_one_entry},
-          {"backup", f.backup_tree}};
+// Returns pairs of modules by number.
+json pairs_json(const Design& design, const std::vector<std::array<int, 2>>& pairs) {
+  json out = json::array();
+  for (const auto& pair : pairs) out.push_back(numbers_of(design, pair));
+  return out;
 }
 
-json patch_json(const Patch& p, int id) {
+json failure_json(const Design& design, const FailureLoss& f) {
+  return {{"module", number_of(design, f.node)}, {"other", number_of(design, f.other_node)},
+          {"lost_strapped", f.lost_strapped},    {"lost_rerouted", f.lost_rerouted},
+          {"lost_one_entry", f.lost_one_entry},  {"backup", pairs_json(design, f.backup_tree)}};
+}
+
+json patch_json(const Design& design, int id) {
+  const Patch& p = design.patches[static_cast<std::size_t>(id)];
   json modules = json::array();
-  for (const RoutedModule& m : p.modules) modules.push_back(m.node);
+  for (const RoutedModule& m : p.modules) modules.push_back(number_of(design, m.node));
   json failures = json::array();
-  for (const FailureLoss& f : p.failures) failures.push_back(failure_json(f));
+  for (const FailureLoss& f : p.failures) failures.push_back(failure_json(design, f));
   return {{"id", id},
           {"node_address", id + 1},
-          {"entry", p.entry},
-          {"second_entry", p.second_entry},
+          {"entry", number_of(design, p.entry)},
+          {"second_entry", number_of(design, p.second_entry)},
           {"second_entry_side", p.second_entry_side},
           {"modules", std::move(modules)},
-          {"cut_joints", p.cut_joints},
+          {"cut_joints", pairs_json(design, p.cut_joints)},
           {"line_hops", p.line_hops},
           {"max_depth", p.max_depth},
           {"failures", std::move(failures)}};
@@ -165,7 +172,7 @@ json modules_json(const Design& design) {
   json modules = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const PlacedModule& m = design.layout.modules[k];
-    modules.push_back(module_json(m, static_cast<int>(k), wiring[k]));
+    modules.push_back(module_json(design, static_cast<int>(k), wiring[k]));
     // The file has no key for kinds if all modules are standard.
     if (!design.kinds.empty()) modules.back()["kind"] = kind_of(design.kinds, m.kind).name;
   }
@@ -180,8 +187,7 @@ json pieces_json(const Design& design) {
 
 json patches_json(const Design& design) {
   json patches = json::array();
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) patches.push_back(patch_json(design, static_cast<int>(p)));
   return patches;
 }
 
@@ -219,9 +225,12 @@ std::string design_text(const Design& design) {
   // A design of whole triangles has no such key.
   if (design.layout.corner_cut_mm > 0.0) file["corner_cut_mm"] = design.layout.corner_cut_mm;
   if (!design.kinds.empty()) file["kinds"] = kind_plan_json(design.kinds);
+  // Where the last numbers are still in use, the next one follows from them.
+  const std::vector<int> numbers = all_numbers(design.layout);
+  if (!numbers.empty() && design.next_number > numbers.back() + 1) file["next_module"] = design.next_number;
   write_alternatives(design, file);
   write_regions(design, file);
-  for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
+  for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(design, j));
   // The file name may contain bytes that are not UTF-8, so the writer replaces them.
   return file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }

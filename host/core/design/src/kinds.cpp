@@ -10,6 +10,7 @@
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/file_head.hpp"
 #include "triskin/design/json_fields.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::design {
@@ -36,12 +37,13 @@ void require_known(const CoverPart& region, std::size_t number, const ModuleLayo
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("kinds: region {}: {}; name what the design has", number, what));
   };
-  const auto count = static_cast<int>(layout.modules.size());
   if (const auto* island = std::get_if<IslandPart>(&region); island != nullptr && island->island >= layout.islands)
     refuse(fmt::format("there is no island {}; the design has {}", island->island, layout.islands));
   if (const auto* list = std::get_if<ModulePart>(&region)) {
-    for (const int id : list->modules) {
-      if (id >= count) refuse(fmt::format("there is no module {}; the design has {}", id, count));
+    for (const int module : list->modules) {
+      if (module_with(layout, {module}) < 0) {
+        refuse(fmt::format("there is no module {}; the design has {}", module, ranges_text(all_numbers(layout))));
+      }
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::design {
 namespace {
@@ -55,6 +56,8 @@ Patch renumbered(Patch p, int by) {
 }
 
 void append(Design& all, const Design& one, const CoverOffset& offset, const Eigen::Isometry3d& pose) {
+  const std::vector<int> numbers = all_numbers(one.layout);
+  all.layout.numbers.insert(all.layout.numbers.end(), numbers.begin(), numbers.end());
   append_surface(all.surface, one.surface, pose);
   for (const PlacedModule& m : one.layout.modules) all.layout.modules.push_back(moved(m, offset, pose));
   for (Jumper j : one.layout.jumpers) {

@@ -207,14 +207,15 @@ class Session {
       for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
         worst_noise = std::max(worst_noise, r.noise(t));
         if (!r.in_middle_third(t))
-          outside += fmt::format("; module {} taxel {} rests outside the middle third", module, t);
+          outside +=
+              fmt::format("; module {} taxel {} rests outside the middle third", design::number_of(design_, module), t);
       }
     }
     std::string found = fmt::format(
         "{} of {} stream, at least {:.1f} samples/s each, {} lost, noise at most {:.2f} counts RMS{}", rest.size(),
         counted(design_.layout.modules.size(), "module"), min_rate, lost_, worst_noise, outside);
     for (const session::PatchOffsets& p : session::read_offsets(*bus_, design_)) {
-      for (const std::string& line : diagnose::describe(p)) found += "; " + line;
+      for (const std::string& line : diagnose::describe(design_, p)) found += "; " + line;
     }
     const bool good = rest.size() == design_.layout.modules.size() && outside.empty() && worst_noise < kMaxNoise;
     return good ? passed(found) : failed(found);

@@ -50,9 +50,10 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
                                                  bool positive_input) {
   if (route.module >= 0 &&
       std::ranges::none_of(design.patches, [&](const auto& p) { return session::concerns(p, route); })) {
-    throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
-                                     : fmt::format("modules {} and {} are not in one patch of the design", route.module,
-                                                   route.other));
+    throw InputError(
+        route.other < 0 ? fmt::format("the design has no module {} in a patch", design::number_of(design, route.module))
+                        : fmt::format("modules {} and {} are not in one patch of the design",
+                                      design::number_of(design, route.module), design::number_of(design, route.other)));
   }
   std::vector<std::vector<std::uint8_t>> images(design.patches.size());
   for (const layout::PatchIndex patch : design::patches_here(design)) {

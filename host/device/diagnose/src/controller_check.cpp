@@ -70,9 +70,11 @@ bool differ_in_kinds_alone(const layout::PatchImage& table, const layout::PatchI
                              &layout::ModuleRow::module_id);
 }
 
-std::string failure_text(const session::RouteChoice& choice) {
-  return choice.other < 0 ? fmt::format("module {}", choice.module)
-                          : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+std::string failure_text(const design::Design& design, const session::RouteChoice& choice) {
+  const design::ModuleNumber module = design::number_of(design, choice.module);
+  return choice.other < 0
+             ? fmt::format("module {}", module)
+             : fmt::format("the joint of modules {} and {}", design::number_of(design, choice.other), module);
 }
 
 }  // namespace
@@ -91,8 +93,9 @@ bool ControllerCheck::differs_in_kinds(const PatchState& p, session::Controller&
               meant = session::kind_of_row(design_, p.image.modules[k]);
     if (is == meant) continue;
     Finding f =
-        controller_finding(Seen::kOtherKind, p.patch, fmt::arg("module", p.module(k)), fmt::arg("is", name_of_kind(is)),
-                           fmt::arg("node", p.image.node_address), fmt::arg("meant", name_of_kind(meant)));
+        controller_finding(Seen::kOtherKind, p.patch, fmt::arg("module", design::number_of(design_, p.module(k))),
+                           fmt::arg("is", name_of_kind(is)), fmt::arg("node", p.image.node_address),
+                           fmt::arg("meant", name_of_kind(meant)));
     f.module = p.module(k);
     findings.push_back(std::move(f));
   }
@@ -115,7 +118,7 @@ bool ControllerCheck::runs_on_backup(PatchState& p, std::uint32_t crc, std::vect
     const layout::PatchImage image = session::image_of(design_, p.patch, choice);
     if (crc32(session::bytes_of(image)) != crc) continue;
     findings.push_back(controller_finding(
-        Seen::kBackupTable, p.patch, fmt::arg("failure", failure_text(choice)),
+        Seen::kBackupTable, p.patch, fmt::arg("failure", failure_text(design_, choice)),
         fmt::arg("read", fmt::format("{} of {} {}", image.module_count, counted(p.image.module_count, "module"),
                                      agreeing(image.module_count, "is", "are")))));
     p.image = image;

@@ -37,8 +37,9 @@ std::string joint_text(const design::Design& design, layout::ModuleId module, la
   const auto end = [&](int of, int towards) {
     const auto& neighbour = design.layout.modules.at(static_cast<std::size_t>(of)).neighbour;
     const auto side = std::ranges::find(neighbour, towards);
-    return side == neighbour.end() ? fmt::format("module {}", of)
-                                   : fmt::format("module {} (side {})", of, side - neighbour.begin());
+    const design::ModuleNumber number = design::number_of(design, of);
+    return side == neighbour.end() ? fmt::format("module {}", number)
+                                   : fmt::format("module {} (side {})", number, side - neighbour.begin());
   };
   return fmt::format("the joint of {} and {}", end(module, other), end(other, module));
 }

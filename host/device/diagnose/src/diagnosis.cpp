@@ -53,7 +53,7 @@ void Diagnosis::run(VerifyResult& result) {
 
 std::string Diagnosis::where(layout::ModuleId module) const {
   const auto& w = wiring_[static_cast<std::size_t>(module)];
-  return fmt::format("module {} (patch {}, {})", module, w.patch, at(w.routed.line, w.routed.address));
+  return fmt::format("module {} (patch {}, {})", number(module), w.patch, at(w.routed.line, w.routed.address));
 }
 
 Finding& Diagnosis::add(Finding f) {
@@ -86,7 +86,7 @@ void Diagnosis::examine_adoption() {
   }
   for (const auto& [patches, modules] : left) {
     add(Seen::kReadByNeighbour, modules.front(), fmt::arg("patch", patches.first), fmt::arg("other", patches.second),
-        fmt::arg("list", fmt::join(modules, ", ")))
+        fmt::arg("list", list_of(modules)))
         .behind.assign(modules.begin() + 1, modules.end());
     explained_by_this(modules);
   }
@@ -121,8 +121,7 @@ void Diagnosis::examine_lines(const PatchState& p) {
     if (!held && recoveries == 0) continue;
     const std::string what =
         held ? "is held low" : fmt::format("was held low and freed by clock pulses {}", counted(recoveries, "time"));
-    add(Seen::kLineHeld, p.patch, fmt::arg("line", l), fmt::arg("what", what),
-        fmt::arg("list", fmt::join(modules, ", ")))
+    add(Seen::kLineHeld, p.patch, fmt::arg("line", l), fmt::arg("what", what), fmt::arg("list", list_of(modules)))
         .line = l;
     if (held) explained_by_this(modules);
   }
@@ -232,8 +231,8 @@ std::size_t Diagnosis::take_likeliest(const PatchState& p, std::vector<std::size
 // The module of `row` sits at `place`, maybe together with another one.
 void Diagnosis::add_at(Seen seen, const PatchState& p, std::size_t row, const Place& place, layout::ModuleId other) {
   const layout::ModuleRow& meant = p.image.modules[row];
-  Finding& f = add(seen, p.module(row), fmt::arg("place", at(place.line, place.address)), fmt::arg("other", other),
-                   fmt::arg("meant", at(meant.line, meant.address)));
+  Finding& f = add(seen, p.module(row), fmt::arg("place", at(place.line, place.address)),
+                   fmt::arg("other", number(other)), fmt::arg("meant", at(meant.line, meant.address)));
   f.other = other;
   f.line = place.line;
   f.address = place.address;

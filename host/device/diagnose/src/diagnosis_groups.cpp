@@ -118,7 +118,7 @@ layout::ModuleId Diagnosis::farthest_of_supply(const PatchState& p, const Module
 // the supply explains the modules behind a joint as well, the finding names both.
 void Diagnosis::explain(const PatchState& p, Modules modules, const Group& group) {
   const auto words = [&](const std::vector<layout::ModuleId>& members) {
-    return std::pair(counted(members.size(), "module"), fmt::format("{}", fmt::join(members, ", ")));
+    return std::pair(counted(members.size(), "module"), list_of(members));
   };
   const auto or_supply = [&](const Modules& members) {
     return farthest_of_supply(p, members) < 0 ? "" : "; or the supply is too low there: a chip needs 2.6 V";
@@ -271,7 +271,7 @@ void Diagnosis::examine_missing(const PatchState& p, const Modules& missing) {
   }
   const std::string meanwhile = alive.empty() ? ""
                                               : fmt::format("; the controller of patch {} reads {} meanwhile",
-                                                            adopter_.at(*alive.begin()), fmt::join(alive, ", "));
+                                                            adopter_.at(*alive.begin()), list_of(alive));
   for (MissingCause& c : explain_missing(design_, p.patch, missing, alive)) {
     const bool joint = c.kind == FindingKind::kMissingJoint;
     std::vector<layout::ModuleId> concerned = c.behind;
@@ -280,10 +280,9 @@ void Diagnosis::examine_missing(const PatchState& p, const Modules& missing) {
     std::string behind;
     if (joint && !concerned.empty())
       behind = fmt::format("; behind it {} {} out of reach: {}", counted(concerned.size(), "module"),
-                           agreeing(concerned.size(), "is", "are"), fmt::join(concerned, ", "));
+                           agreeing(concerned.size(), "is", "are"), list_of(concerned));
     std::erase(c.behind, c.module);
-    if (!joint && !c.behind.empty())
-      behind = fmt::format("; behind it are out of reach: {}", fmt::join(c.behind, ", "));
+    if (!joint && !c.behind.empty()) behind = fmt::format("; behind it are out of reach: {}", list_of(c.behind));
     Finding& f = add(joint ? Seen::kJointPassesNothing : Seen::kModuleNotFound, c.module, fmt::arg("patch", p.patch),
                      fmt::arg("joint", joint ? joint_text(design_, c.module, c.other) : ""), fmt::arg("behind", behind),
                      fmt::arg("meanwhile", meanwhile));
@@ -298,6 +297,7 @@ void Diagnosis::examine_missing(const PatchState& p, const Modules& missing) {
 void Diagnosis::examine_rest() {
   if (rest_.empty()) return;
   design::OffRest all;
+  std::vector<layout::ModuleId> modules;
   for (const PatchState& p : patches_) {
     for (std::size_t row = 0; p.usable && row < std::min(p.now.count, p.image.module_count); ++row) {
       const layout::ModuleId module = p.module(row);
@@ -310,16 +310,17 @@ void Diagnosis::examine_rest() {
         if (!layout::measures_pressure(t) || !now.is_valid(t)) continue;
         off += std::abs(now.value[t] - rest[t] - warming) >= kMaxRestError_counts ? 1 : 0;
       }
-      if (off > 0) all.modules.push_back(module);
+      if (off > 0) modules.push_back(module);
       all.taxels += off;
     }
   }
-  if (all.modules.empty()) return;
-  std::ranges::sort(all.modules);
+  if (modules.empty()) return;
+  std::ranges::sort(modules);
+  all.modules = design::numbers_of(design_, modules);
   // The modules themselves work, so modules_ok includes them.
   Finding f = finding(Seen::kOffRest, fmt::arg("sentence", sentence(all)));
-  f.module = all.modules.front();
-  f.behind.assign(all.modules.begin() + 1, all.modules.end());
+  f.module = modules.front();
+  f.behind.assign(modules.begin() + 1, modules.end());
   add(std::move(f));
 }
 

@@ -97,7 +97,7 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
   const std::vector<layout::ModuleId> ring = ring_from(t.module);
   const Seen seen = ring.size() > 2 ? Seen::kRing : ring.size() == 2 ? Seen::kPairSwapped : Seen::kOtherAnswered;
   add(seen, t.module, fmt::arg("patch", wiring_[static_cast<std::size_t>(t.module)].patch),
-      fmt::arg("other", where(t.answered)), fmt::arg("list", fmt::join(ring, ", ")))
+      fmt::arg("other", where(t.answered)), fmt::arg("list", list_of(ring)))
       .other = t.answered;
   explained_by_this(ring);
 }

@@ -31,7 +31,7 @@ std::string sum_text(const PatchOffsets& patch) {
 
 }  // namespace
 
-std::vector<std::string> describe(const PatchOffsets& patch) {
+std::vector<std::string> describe(const design::Design& design, const PatchOffsets& patch) {
   std::vector<std::string> lines{sum_text(patch)};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
@@ -48,12 +48,12 @@ std::vector<std::string> describe(const PatchOffsets& patch) {
     }
     if (!at_end.empty())
       lines.push_back(fmt::format("module {}: no offset brings taxel {} into its range: electrode shorted or open",
-                                  patch.modules[row], fmt::join(at_end, ", ")));
+                                  design::number_of(design, patch.modules[row]), fmt::join(at_end, ", ")));
     if (!off_middle.empty())
       lines.push_back(
           fmt::format("module {}: rests off the middle of the range: taxel {}; not pressed: its electrode is "
                       "beyond the offsets, or was touched while they were searched",
-                      patch.modules[row], fmt::join(off_middle, ", ")));
+                      design::number_of(design, patch.modules[row]), fmt::join(off_middle, ", ")));
   }
   return lines;
 }

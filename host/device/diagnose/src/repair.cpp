@@ -112,9 +112,9 @@ class Guide {
   // separated.
   void line() {
     if (finding_.patch < 0) return;
-    std::vector<int> far_first;
+    std::vector<design::ModuleNumber> far_first;
     for (const auto& m : design_.patches.at(static_cast<std::size_t>(finding_.patch)).modules) {
-      if (m.line == finding_.line) far_first.insert(far_first.begin(), m.node);
+      if (m.line == finding_.line) far_first.insert(far_first.begin(), number(m.node));
     }
     steps_.push_back(fmt::format("measure SDA and SCL of line L{} of patch {} against ground and supply at its cable",
                                  finding_.line, finding_.patch));
@@ -123,13 +123,14 @@ class Guide {
                     "module or joint that was parted last, and solder the others again",
                     fmt::join(far_first, ", ")));
   }
+  [[nodiscard]] design::ModuleNumber number(int module) const { return design::number_of(design_, module); }
   [[nodiscard]] bool known(layout::ModuleId module) const {
     return module >= 0 && module < static_cast<int>(wiring_.size()) &&
            wiring_[static_cast<std::size_t>(module)].patch >= 0;
   }
   void find(layout::ModuleId module) {
     if (!known(module)) return;
-    steps_.push_back(fmt::format("find module {} of patch {} ({})", module,
+    steps_.push_back(fmt::format("find module {} of patch {} ({})", number(module),
                                  wiring_[static_cast<std::size_t>(module)].patch, place_on_cover(design_, module)));
   }
   void straps(layout::ModuleId module) {
@@ -138,7 +139,7 @@ class Guide {
     steps_.push_back(
         fmt::format("module {}: port A at side {}; close the straps of line L{} and {}, no others (switched "
                     "modules have none)",
-                    module, m.rotation, m.line, design::address_strap(m.address)));
+                    number(module), m.rotation, m.line, design::address_strap(m.address)));
   }
 
   // Names both ends of a joint; a port without one has the cable.
@@ -149,7 +150,7 @@ class Guide {
     if (far == 0) return side + " to the cable";
     const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
     return fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3,
-                       session::module_of(design_, other));
+                       number(session::module_of(design_, other)));
   }
   // Names both ends of each joint and whether the tree uses it.
   void joints(layout::ModuleId module, const char* before, const char* after) {
@@ -182,10 +183,10 @@ class Guide {
       steps_.push_back(
           fmt::format("measure SDA and SCL of line L{} from the cable of patch {} to module {}: find where "
                       "one of the two is open",
-                      finding_.line, wiring.patch, module));
+                      finding_.line, wiring.patch, number(module)));
     if (other < 0) {
       steps_.push_back(fmt::format("look at the cable of patch {} and its plug at module {}; solder or plug it anew",
-                                   wiring.patch, module));
+                                   wiring.patch, number(module)));
       return;
     }
     steps_.push_back(fmt::format("look at {}; solder it anew, all pads of it", joint_text(design_, module, other)));

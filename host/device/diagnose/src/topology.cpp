@@ -48,7 +48,7 @@ struct End {
 class Overlay {
  public:
   Overlay(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch)
-      : found_(found), patch_(design.patches[static_cast<std::size_t>(patch)]) {
+      : found_(found), design_(design), patch_(design.patches[static_cast<std::size_t>(patch)]) {
     // With rotations of zero, ports are numbered like sides, so this gives joints by tile side.
     const std::vector<int> upright(patch_.modules.size(), 0);
     sides_ = design::joints_of(design, patch, upright);
@@ -120,7 +120,8 @@ class Overlay {
 
   template <class... Words>
   TopologyDifference& add(Seen seen, layout::ModuleId module, layout::ModuleId other, const Words&... words) {
-    Finding f = finding(seen, fmt::arg("module", module), fmt::arg("other", other), words...);
+    Finding f = finding(seen, fmt::arg("module", design::number_of(design_, module)),
+                        fmt::arg("other", design::number_of(design_, other)), words...);
     return result_.differences.emplace_back(f.kind, module, other, 0, std::move(f.text), std::move(f.remedy));
   }
 
@@ -128,12 +129,12 @@ class Overlay {
     const layout::ModuleId entry = module_at(entry_row), designed = module_at(kEntryRow);
     const int cable_side = side_of({FoundNumber{0}, found_.cable_port})->side;
     if (found_.second_cable && entry == patch_.second_entry && cable_side == patch_.second_entry_side) {
-      add(Seen::kSecondCable, designed, entry, fmt::arg("entry", entry));
+      add(Seen::kSecondCable, designed, entry, fmt::arg("entry", design::number_of(design_, entry)));
       return;
     }
     if (entry_row == kEntryRow && cable_side == designed_rotation(kEntryRow)) return;
-    add(Seen::kOtherEntry, designed, entry, fmt::arg("entry", entry), fmt::arg("side", cable_side),
-        fmt::arg("designed", designed_rotation(kEntryRow)));
+    add(Seen::kOtherEntry, designed, entry, fmt::arg("entry", design::number_of(design_, entry)),
+        fmt::arg("side", cable_side), fmt::arg("designed", designed_rotation(kEntryRow)));
   }
 
   // Two exchanged modules that kept their rotations look like two rotated ones.
@@ -204,6 +205,7 @@ class Overlay {
   }
 
   const wire::FoundTopology& found_;
+  const design::Design& design_;
   const design::Patch& patch_;
   design::PortEnds sides_;
   std::vector<std::optional<PatchRow>> row_;

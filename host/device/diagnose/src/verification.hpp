@@ -38,10 +38,9 @@ struct PatchState {
   }
 
   [[nodiscard]] session::Controller controller(session::Bus& bus) const { return {bus, image.node_address}; }
-  bool with_kinds = false;  ///< Both the design and the table have kinds of modules.
+  const design::Design* design = nullptr;
   [[nodiscard]] layout::ModuleId module(std::size_t row) const {
-    const unsigned id = image.modules[row].module_id;
-    return layout::ModuleId{with_kinds ? id % layout::kIdsBesideKinds : id};
+    return session::module_of(*design, image.modules[row]);
   }
   /// Returns true if the table has a module; a backup table leaves some out.
   [[nodiscard]] bool reads(layout::ModuleId id) const {
@@ -179,6 +178,14 @@ class Diagnosis {
   [[nodiscard]] std::vector<layout::ModuleId> ring_from(layout::ModuleId module) const;
 
   [[nodiscard]] std::string where(layout::ModuleId module) const;
+  [[nodiscard]] design::ModuleNumber number(layout::ModuleId module) const {
+    return design::number_of(design_, module);
+  }
+  /// Writes "3, 7, 12" for modules.
+  template <class Modules>
+  [[nodiscard]] std::string list_of(const Modules& modules) const {
+    return fmt::format("{}", fmt::join(design::numbers_of(design_, modules), ", "));
+  }
   /// These modules are not in order, and nothing else is said about them.
   template <class Range>
   void explained_by_this(const Range& modules) {
@@ -189,7 +196,7 @@ class Diagnosis {
   /// Adds a finding about a module.
   template <class... Words>
   Finding& add(Seen seen, layout::ModuleId module, const Words&... words) {
-    Finding f = finding(seen, fmt::arg("where", where(module)), fmt::arg("module", module), words...);
+    Finding f = finding(seen, fmt::arg("where", where(module)), fmt::arg("module", number(module)), words...);
     f.module = module;
     f.patch = wiring_[static_cast<std::size_t>(module)].patch;
     bad_.insert(module);

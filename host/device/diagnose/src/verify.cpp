@@ -122,7 +122,7 @@ std::vector<TouchOutcome> touch_all(session::Bus& bus, const design::Design& des
   for (const PatchState& p : patches) {
     for (std::size_t row = 0; p.usable && row < p.image.module_count; ++row) {
       report(progress, "touching", static_cast<double>(done++) / static_cast<double>(total),
-             fmt::format("module {}", p.module(row)));
+             fmt::format("module {}", design::number_of(design, p.module(row))));
       if (const auto outcome = test.press(p.module(row), p, options)) outcomes.push_back(*outcome);
     }
   }
@@ -157,7 +157,7 @@ std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {
     patches[k].patch = layout::PatchIndex{k};
-    patches[k].with_kinds = !design.kinds.empty();
+    patches[k].design = &design;
   }
   for (const layout::PatchIndex patch : design::patches_here(design))
     patches[static_cast<std::size_t>(patch)].image = session::image_of(design, patch);
@@ -169,7 +169,8 @@ void add_places(const design::Design& design, std::vector<Finding>& findings) {
   for (Finding& f : findings) {
     if (!f.place.empty() || f.patch < 0) continue;
     const layout::ModuleId entry{design.patches[static_cast<std::size_t>(f.patch)].entry};
-    f.place = fmt::format("cable of patch {} at module {}, {}", f.patch, entry, place_on_cover(design, entry));
+    f.place = fmt::format("cable of patch {} at module {}, {}", f.patch, design::number_of(design, entry),
+                          place_on_cover(design, entry));
   }
 }
 

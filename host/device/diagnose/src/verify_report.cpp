@@ -53,7 +53,8 @@ std::string drawing(const design::Design& design, int island, const std::map<int
     const auto mark = marks.find(static_cast<int>(m));
     const bool marked = mark != marks.end();
     body += fmt::format("<polygon points=\"{}\"{}/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", points,
-                        marked ? " class=\"bad\"" : "", centre.x(), -centre.y() + (marked ? 0 : 3), m);
+                        marked ? " class=\"bad\"" : "", centre.x(), -centre.y() + (marked ? 0 : 3),
+                        design::number_of(design, static_cast<int>(m)));
     if (marked)
       body += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">({})</text>\n", centre.x(), -centre.y() + 8, mark->second);
   }

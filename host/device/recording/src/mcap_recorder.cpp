@@ -37,8 +37,9 @@ McapRecorder::McapRecorder(OutputFile& file, const design::Design& design, Origi
     : origin_(std::move(origin)),
       frame_(origin_.part.empty() ? std::string(kMeshFrame) : "skin_" + origin_.part),
       writer_(file, "ros2", "triskin"),
+      numbers_(design.layout.numbers),
       frames_([this](std::span<const ModuleSample> frame) {
-        writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
+        writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame, numbers_), frame.front().sampled_ns);
       }),
       readers_(design) {
   begin(design);
@@ -116,9 +117,9 @@ void McapRecorder::add_to_cloud(const ModuleSample& sample) {
 }
 
 void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) {
-  writer_.write(
-      contacts_, unix_ns(link_time_us),
-      encode_contacts(contacts, unix_ns(link_time_us), frame_, {.by_taxel = !origin_.calibration_text.empty()}));
+  writer_.write(contacts_, unix_ns(link_time_us),
+                encode_contacts(contacts, unix_ns(link_time_us), frame_,
+                                {.by_taxel = !origin_.calibration_text.empty()}, numbers_));
 }
 
 void McapRecorder::tick(std::uint64_t steady_us) {

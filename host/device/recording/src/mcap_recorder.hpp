@@ -27,6 +27,7 @@ class McapRecorder final : public Recorder {
   std::string frame_;  // Coordinates in messages use this frame.
   mcap::Writer writer_;
   std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0, readers_channel_ = 0;
+  std::vector<int> numbers_;  // by module; empty: no gaps
   RawFrames frames_;
   Readers readers_;
   std::optional<PointCloud> cloud_;

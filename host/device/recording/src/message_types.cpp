@@ -11,7 +11,7 @@ constexpr std::string_view kRawFrame =
     "uint32 sample            # number of the sample in the controller\n"
     "uint64 device_time_us    # clock of the controller, of the first module\n"
     "uint64 link_time_us      # clock of the link when the first module came\n"
-    "uint32[] module          # id in the design\n"
+    "uint32[] module          # number in the design\n"
     "uint8[] row              # row in the table of the controller\n"
     "uint16[] valid           # bit t: taxel t holds a valid value\n"
     "uint8[] state            # state of the module, docs/protocol.md\n"
@@ -29,7 +29,9 @@ constexpr std::string_view kLayout =
     "float32[] corner         # m, 9 a module: three corners\n"
     "float32[] position       # m, 36 a module: twelve taxels\n"
     "float32[] normal         # 3 a module, outward\n"
-    "int32[] patch            # 1 a module, -1: none\n" TRISKIN_ROS_HEADER;
+    "int32[] patch            # 1 a module, -1: none\n"
+    "uint32[] module          # 1 a module: its number, ascending, with gaps where modules were "
+    "removed\n" TRISKIN_ROS_HEADER;
 
 constexpr std::string_view kReaders =
     "# Which controller reads each module: one message at the beginning, with its own, and one at each change\n"
@@ -50,7 +52,7 @@ constexpr std::string_view kContacts =
     "geometry_msgs/Vector3 normal    # outward unit vector\n"
     "float64 force                   # against the normal, in the unit that Contacts names; in counts: sum of change\n"
     "float64 area                    # m2 of skin that is pressed\n"
-    "uint32[] module                 # of each taxel, the strongest first: id in the design\n"
+    "uint32[] module                 # of each taxel, the strongest first: number in the design\n"
     "uint8[] taxel                   # its number in the module, 0 to 11\n"
     "float32[] change                # counts against rest\n"
     "float32[] taxel_position        # m, 3 a taxel\n"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "triskin/design/module_number.hpp"
 #include "triskin/recording/cdr.hpp"
 
 namespace triskin::recording {
@@ -47,14 +48,30 @@ void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id)
   w.text(frame_id);
 }
 
-std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples) {
+namespace {
+
+std::uint32_t number_of(layout::ModuleId module, std::span<const int> numbers) {
+  return static_cast<std::uint32_t>(numbers.empty() ? module.value() : numbers[static_cast<std::size_t>(module)]);
+}
+
+layout::ModuleId module_with(std::uint32_t number, std::span<const int> numbers) {
+  const auto value = static_cast<int>(number & 0x7FFFFFFFU);
+  if (numbers.empty()) return layout::ModuleId{value};
+  const auto found = std::ranges::lower_bound(numbers, value);
+  return found == numbers.end() || *found != value ? layout::ModuleId::none()
+                                                   : layout::ModuleId{found - numbers.begin()};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples, std::span<const int> numbers) {
   CdrWriter w;
   const ModuleSample& first = samples.front();
   w.u8(first.sample.node_address);
   w.u32(first.sample.sample);
   w.u64(first.sample.device_time_us);
   w.u64(first.link_time_us);
-  put_each(w, samples, 1, [&](const ModuleSample& s) { w.u32(static_cast<std::uint32_t>(s.module)); });
+  put_each(w, samples, 1, [&](const ModuleSample& s) { w.u32(number_of(s.module, numbers)); });
   put_each(w, samples, 1, [&](const ModuleSample& s) { w.u8(s.sample.module); });
   put_each(w, samples, 1, [&](const ModuleSample& s) { w.u16(s.sample.valid); });
   put_each(w, samples, 1, [&](const ModuleSample& s) { w.u8(wire::wire_number(s.sample.state)); });
@@ -71,7 +88,7 @@ std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples) {
   return bytes_of(w);
 }
 
-std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
+std::optional<std::vector<ModuleSample>> decode_raw(Bytes message, std::span<const int> numbers) {
   CdrReader r(message);
   ModuleSample common;
   common.sample.node_address = r.u8();
@@ -85,7 +102,7 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
     ok = r.count(1) == n * per_item && ok;
     for (std::size_t k = 0; k < n && ok && r.ok(); ++k) take(samples[k]);
   };
-  for (ModuleSample& s : samples) s.module = layout::ModuleId{r.u32() & 0x7FFFFFFFU};
+  for (ModuleSample& s : samples) s.module = module_with(r.u32(), numbers);
   each(1, [&](ModuleSample& s) { s.sample.module = r.u8(); });
   each(1, [&](ModuleSample& s) { s.sample.valid = r.u16(); });
   each(1, [&](ModuleSample& s) {
@@ -124,11 +141,13 @@ std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint6
   });
   put_each(w, taxels, 3, [&](const auto& of_module) { put_point(w, of_module[0].normal, 1.0); });
   put_each(w, wiring, 1, [&](const design::ModuleWiring& m) { w.u32(static_cast<std::uint32_t>(m.patch)); });
+  put_each(w, design::all_numbers(design.layout), 1, [&](int number) { w.u32(static_cast<std::uint32_t>(number)); });
   return bytes_of(w);
 }
 
 std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
-                                          std::string_view frame_id, const Calibration& calibration) {
+                                          std::string_view frame_id, const Calibration& calibration,
+                                          std::span<const int> numbers) {
   const bool calibrated = calibration.by_taxel || calibration.newton_per_count > 0.0;
   const auto force = [&](const Contact& c) {
     if (calibration.by_taxel) return c.force_n;
@@ -143,7 +162,7 @@ std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std
     for (int axis = 0; axis < 3; ++axis) w.f64(c.normal[axis]);
     w.f64(force(c));
     w.f64(c.area_mm2 / (kMetre_mm * kMetre_mm));
-    put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u32(static_cast<std::uint32_t>(t.module)); });
+    put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u32(number_of(t.module, numbers)); });
     put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u8(static_cast<std::uint8_t>(t.taxel)); });
     put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.f32(static_cast<float>(t.change_counts)); });
     put_each(w, c.taxels, 3, [&](const PressedTaxel& t) { put_point(w, t.position_mm, kMetre_mm); });
@@ -187,7 +206,7 @@ constexpr std::uint32_t kPointBytes = 32;
 }  // namespace
 
 PointCloud::PointCloud(const design::Design& design)
-    : points_(design.layout.modules.size()), is_heard_(points_.size()) {
+    : points_(design.layout.modules.size()), is_heard_(points_.size()), numbers_(design::all_numbers(design.layout)) {
   const auto wiring = design::wiring_of(design);
   for (std::size_t m = 0; m < points_.size(); ++m) {
     const auto taxels = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
@@ -229,7 +248,7 @@ std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns, std::string
       const Point& p = points_[m][t];
       put_point(w, p.position_mm, kMetre_mm);
       put_point(w, p.normal, 1.0);
-      w.u32(static_cast<std::uint32_t>(m));
+      w.u32(static_cast<std::uint32_t>(numbers_[m]));
       w.u16(p.value);
       w.u8(p.valid ? 1 : 0);
       w.u8(static_cast<std::uint8_t>(t));

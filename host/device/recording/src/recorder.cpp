@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "mcap_recorder.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/recording/readers.hpp"
 
 namespace triskin::recording {
@@ -13,7 +14,7 @@ namespace {
 class CsvRecorder final : public Recorder {
  public:
   CsvRecorder(OutputFile& file, const design::Design& design, bool is_simulated)
-      : file_(file), readers_(design), mark_(is_simulated ? '1' : '0') {
+      : file_(file), readers_(design), numbers_(design::all_numbers(design.layout)), mark_(is_simulated ? '1' : '0') {
     text_ = "link_time_us,device_time_us,sample,module,valid";
     for (int t = 0; t < layout::kTaxelsPerModule; ++t) text_ += fmt::format(",taxel_{}", t);
     text_ += ",sampled_ns,error_us,reader_patch,reader_node,simulated\n";
@@ -21,7 +22,7 @@ class CsvRecorder final : public Recorder {
   }
   void add(const ModuleSample& s) override {
     fmt::format_to(std::back_inserter(text_), "{},{},{},{},{}", s.link_time_us, s.sample.device_time_us,
-                   s.sample.sample, s.module, s.sample.valid);
+                   s.sample.sample, numbers_.at(static_cast<std::size_t>(s.module)), s.sample.valid);
     for (const std::uint16_t v : s.sample.value) fmt::format_to(std::back_inserter(text_), ",{}", v);
     if (s.error_us == ModuleSample::kNoBound)
       text_ += ",,";
@@ -43,6 +44,7 @@ class CsvRecorder final : public Recorder {
   }
   OutputFile& file_;
   Readers readers_;
+  std::vector<int> numbers_;
   char mark_;  // The column "simulated" contains this character.
   std::string text_;
 };

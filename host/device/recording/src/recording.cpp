@@ -5,15 +5,21 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
+
+#include "triskin/base/error.hpp"
+#include "triskin/design/design_text.hpp"
 
 namespace triskin::recording {
 namespace {
 
 class Samples final : public mcap::Visitor {
  public:
-  Samples(Summary& summary, const std::string& name, const std::function<void(const ModuleSample&)>& handler)
-      : summary_(summary), name_(name), handler_(handler) {}
+  // `numbers`: those of the modules of the design.
+  Samples(Summary& summary, const std::string& name, const std::function<void(const ModuleSample&)>& handler,
+          std::vector<int> numbers)
+      : summary_(summary), name_(name), handler_(handler), numbers_(std::move(numbers)) {}
 
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
@@ -50,7 +56,7 @@ class Samples final : public mcap::Visitor {
     throw InputError(fmt::format("{}: a message of {} is malformed", name_, type.name));
   }
   void take_samples(const mcap::Message& message) {
-    auto samples = decode_raw(message.data);
+    auto samples = decode_raw(message.data, numbers_);
     if (!samples) malformed(kRawFrameType);
     for (ModuleSample& s : *samples) {
       const auto m = static_cast<std::size_t>(s.module);
@@ -77,14 +83,16 @@ class Samples final : public mcap::Visitor {
   Summary& summary_;
   const std::string& name_;
   const std::function<void(const ModuleSample&)>& handler_;
+  std::vector<int> numbers_;
   std::map<std::uint16_t, std::string> schemas_;
   std::optional<std::uint16_t> raw_, readers_channel_;  // Any number may be that of a channel, 0 too.
   // Entries are indexed by module; they are empty if the recording does not name the readers.
   std::vector<Reader> own_, readers_;
 };
 
-// Finds whether the times of the raw frames go back anywhere: MCAP allows messages in any order.
-class Order final : public mcap::Visitor {
+// Finds what the whole file has to be read for before its samples can be: whether the times of the raw frames go back
+// anywhere, as MCAP allows messages in any order, and the design, which may stand at the end.
+class Survey final : public mcap::Visitor {
  public:
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
@@ -95,7 +103,11 @@ class Order final : public mcap::Visitor {
     goes_back = goes_back || message.log_ns < last_ns_;
     last_ns_ = message.log_ns;
   }
+  void on_attachment(const mcap::Attachment& attachment) override {
+    if (attachment.name == "design.json") design_text = attachment.data;
+  }
   bool goes_back = false;
+  std::string design_text;
 
  private:
   std::map<std::uint16_t, std::string> schemas_;
@@ -103,10 +115,14 @@ class Order final : public mcap::Visitor {
   std::uint64_t last_ns_ = 0;
 };
 
-bool goes_back(const ByteSource& source, const std::string& name) {
-  Order order;
-  (void)mcap::read_file(source, name, order);
-  return order.goes_back;
+// Returns the numbers of the modules of a design; empty if they have no gaps. What is wrong with a design is said by
+// those who use the rest of it.
+std::vector<int> numbers_in(const std::string& design_text) {
+  try {
+    return design::parse_design(design_text, "design.json").layout.numbers;
+  } catch (const InputError&) {
+    return {};
+  }
 }
 
 struct Reached {};  // The exception ends read_origin() at the first sample.
@@ -117,14 +133,17 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
   const std::string name = path.string();
   const InputFile source(path);
   Summary summary;
-  if (!handler || !goes_back(source, name)) {
-    Samples samples(summary, name, handler);
+  Survey survey;
+  if (handler) (void)mcap::read_file(source, name, survey);
+  std::vector<int> numbers = numbers_in(survey.design_text);
+  if (!survey.goes_back) {
+    Samples samples(summary, name, handler, std::move(numbers));
     summary.file = mcap::read_file(source, name, samples);
     return summary;
   }
   std::vector<ModuleSample> kept;
   const std::function<void(const ModuleSample&)> keep = [&](const ModuleSample& s) { kept.push_back(s); };
-  Samples samples(summary, name, keep);
+  Samples samples(summary, name, keep, std::move(numbers));
   summary.file = mcap::read_file(source, name, samples);
   std::ranges::stable_sort(kept, {}, &ModuleSample::link_time_us);
   std::ranges::for_each(kept, handler);
@@ -136,7 +155,7 @@ Summary read_origin(const std::filesystem::path& path) {
   const InputFile source(path);
   Summary summary;
   const std::function<void(const ModuleSample&)> stop = [](const ModuleSample&) { throw Reached{}; };
-  Samples samples(summary, name, stop);
+  Samples samples(summary, name, stop, {});
   try {
     summary.file = mcap::read_file(source, name, samples);
   } catch (const Reached&) {

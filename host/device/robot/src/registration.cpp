@@ -57,9 +57,9 @@ std::optional<std::vector<Vector3d>> places_of(const design::Design& design, std
   const auto wiring = design::wiring_of(design);
   std::vector<Vector3d> places;
   for (const Touch& t : touches) {
-    const auto module = static_cast<std::size_t>(t.module);
-    if (t.module < 0 || module >= design.layout.modules.size() || t.taxel < 0 || t.taxel >= layout::kTaxelsPerModule)
-      return std::nullopt;
+    const layout::ModuleId id = design::module_with(design, t.module);
+    if (id < 0 || t.taxel < 0 || t.taxel >= layout::kTaxelsPerModule) return std::nullopt;
+    const auto module = static_cast<std::size_t>(id);
     const auto taxels = design::taxels_of(design.layout.modules[module], wiring[module].routed.rotation);
     places.emplace_back(taxels[static_cast<std::size_t>(t.taxel)].position_mm);
   }
@@ -100,7 +100,7 @@ std::vector<Touch> read_touches(const std::string& text, const std::string& file
     if (!numbers_in(line, n) || !is_index(n[0]) || !is_index(n[1]))
       throw InputError(fmt::format("{}: line {}: must be module,taxel,x_mm,y_mm,z_mm", file, number));
     touches.push_back(
-        {layout::ModuleId{static_cast<int>(n[0])}, layout::TaxelIndex{static_cast<int>(n[1])}, {n[2], n[3], n[4]}});
+        {design::ModuleNumber{static_cast<int>(n[0])}, layout::TaxelIndex{static_cast<int>(n[1])}, {n[2], n[3], n[4]}});
   }
   return touches;
 }

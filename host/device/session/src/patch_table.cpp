@@ -8,6 +8,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/design/joint.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/module_side.hpp"
 
 namespace triskin::session {
@@ -79,14 +80,15 @@ std::uint8_t second_entry_of(const design::Patch& patch, const Tree& tree) {
 
 }  // namespace
 
-RouteChoice parse_route(const std::string& text) {
+RouteChoice parse_route(const std::string& text, const design::Design& design) {
   if (text == "normal") return {};
   int module = -1, other = -1;
   char rest = 0;
   const int joint = std::sscanf(text.c_str(), "backup:%d-%d%c", &module, &other, &rest);
   if (joint == 2 && module >= 0 && other >= 0 && module != other)
-    return {layout::ModuleId{module}, layout::ModuleId{other}};
-  if (std::sscanf(text.c_str(), "backup:%d%c", &module, &rest) == 1 && module >= 0) return {layout::ModuleId{module}};
+    return {design::require_module(design, {module}), design::require_module(design, {other})};
+  if (std::sscanf(text.c_str(), "backup:%d%c", &module, &rest) == 1 && module >= 0)
+    return {design::require_module(design, {module})};
   throw InputError(
       fmt::format("route \"{}\" is unknown; use normal, backup:MODULE or backup:MODULE-MODULE (a failed joint)", text));
 }
@@ -109,9 +111,11 @@ void require_limits(const design::Design& design, layout::PatchIndex patch_index
            fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
   if (modules == 0 || modules > layout::kMaxModules)
     refuse(patch_index, fmt::format("{} modules, a controller reads 1 … {}", modules, layout::kMaxModules));
-  if (design.layout.modules.size() > 0xFFFF) refuse(patch_index, "module ids beyond 65535 fit no table");
-  if (!design.kinds.empty() && design.layout.modules.size() > layout::kIdsBesideKinds)
-    refuse(patch_index, fmt::format("module ids beyond {} fit no table beside kinds; divide the cover",
+  const int last = design::number_of(design, static_cast<int>(design.layout.modules.size()) - 1).value;
+  if (last > design::kMaxModuleNumber)
+    refuse(patch_index, fmt::format("module numbers beyond {} fit no table", design::kMaxModuleNumber));
+  if (!design.kinds.empty() && last >= static_cast<int>(layout::kIdsBesideKinds))
+    refuse(patch_index, fmt::format("module numbers beyond {} fit no table beside kinds; divide the cover",
                                     layout::kIdsBesideKinds - 1));
 }
 
@@ -135,17 +139,20 @@ void add_joints(const design::Patch& patch, const Tree& tree, const std::array<d
 }
 
 /// Enters the parent of row `k`, which must precede it and have a joint to it.
-void add_parent(layout::PatchIndex patch_index, const Tree& tree, std::size_t k, layout::PatchImage& image) {
+void add_parent(const design::Design& design, layout::PatchIndex patch_index, const Tree& tree, std::size_t k,
+                layout::PatchImage& image) {
   const design::RoutedModule& m = tree.modules[k];
   if (m.parent < 0) return;
   const int parent = row_in(tree, m.parent);
   if (parent < 0 || parent >= static_cast<int>(k))
-    refuse(patch_index, fmt::format("module {} stands before its parent {}", m.node, m.parent));
+    refuse(patch_index, fmt::format("module {} stands before its parent {}", design::number_of(design, m.node),
+                                    design::number_of(design, m.parent)));
   const layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
   const auto port =
       std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
   if (port == above.joints.end())
-    refuse(patch_index, fmt::format("module {} is no neighbour of its parent {}", m.node, m.parent));
+    refuse(patch_index, fmt::format("module {} is no neighbour of its parent {}", design::number_of(design, m.node),
+                                    design::number_of(design, m.parent)));
   image.modules[k].parent = static_cast<std::uint8_t>(parent);
   image.modules[k].parent_port = static_cast<std::uint8_t>(port - above.joints.begin());
 }
@@ -158,7 +165,7 @@ layout::PatchImage image_of(const design::Design& design, layout::PatchIndex pat
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
   if (tree.modules.empty()) {
     throw InputError(fmt::format("patch {}: module {} is its entry, nothing is read without it; replace it",
-                                 patch_index, choice.module));
+                                 patch_index, design::number_of(design, choice.module)));
   }
   layout::PatchImage image;
   image.design_id = design.design_id;
@@ -169,12 +176,12 @@ layout::PatchImage image_of(const design::Design& design, layout::PatchIndex pat
     const design::RoutedModule& m = tree.modules[k];
     layout::ModuleRow& row = image.modules[k];
     const int kind = design.layout.modules.at(static_cast<std::size_t>(m.node)).kind;
-    row.module_id = static_cast<std::uint16_t>(m.node + (kind << layout::kKindShift));
+    row.module_id = static_cast<std::uint16_t>(design::number_of(design, m.node).value + (kind << layout::kKindShift));
     row.line = static_cast<std::uint8_t>(m.line);
     row.address = static_cast<std::uint8_t>(m.address);
     row.rotation = static_cast<std::uint8_t>(m.rotation);
     add_joints(patch, tree, ends[static_cast<std::size_t>(row_of(patch, m.node))], m.node, row);
-    add_parent(patch_index, tree, k, image);
+    add_parent(design, patch_index, tree, k, image);
   }
   image.second_entry = second_entry_of(patch, tree);
   if (const Status s = layout::check(image); s != Status::kOk) {
@@ -194,7 +201,8 @@ layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddr
 }
 
 layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row) {
-  return layout::ModuleId{design.kinds.empty() ? row.module_id : row.module_id % layout::kIdsBesideKinds};
+  const int number = design.kinds.empty() ? row.module_id : static_cast<int>(row.module_id % layout::kIdsBesideKinds);
+  return design::module_with(design, {number});
 }
 
 int kind_of_row(const design::Design& design, const layout::ModuleRow& row) {

@@ -101,7 +101,14 @@ wire::SamplingSetting Stream::set_sampling(Controller& controller, const Node& n
   return wanted;
 }
 
+design::ModuleNumber Stream::number_of(const Node& node, layout::ModuleId module) const {
+  if (module < 0) return {};
+  return {numbers_.at(static_cast<std::size_t>(node.cover)).at(static_cast<std::size_t>(module))};
+}
+
 void Stream::find_controllers(const design::Design& design, layout::CoverIndex cover, const StreamOptions& options) {
+  numbers_.resize(std::max(numbers_.size(), static_cast<std::size_t>(cover) + 1));
+  numbers_[static_cast<std::size_t>(cover)] = design::all_numbers(design.layout);
   for (const layout::PatchIndex p : design::patches_here(design)) {
     const layout::PatchImage image = image_of(design, p);
     Node node;
@@ -366,11 +373,11 @@ StreamReport Stream::report_of(layout::CoverIndex cover) const {
     for (std::size_t k = 0; k < node.counts.size(); ++k) {
       const SampleCounts c = node.counts[k].counts();
       const bool slow = 10 * (c.expected + 2) < 9 * node.due;
-      r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
+      r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover, number_of(node, node.modules[k])});
     }
     for (const AdoptedReader::Read& g : node.adopted_modules.all()) {
       const bool now = node.adopted_modules.reads(g.module, bus_.now_us() - std::min(bus_.now_us(), silence_us(node)));
-      add_adopted(r.adopted, {g.module, node.patch, g.counts.counts(), now, node.cover});
+      add_adopted(r.adopted, {g.module, node.patch, g.counts.counts(), now, node.cover, number_of(node, g.module)});
     }
     if (node.silent) r.silent.push_back(node.patch);
     r.clocks.push_back({node.cover, node.patch, address, node.clock.drift_ppm(),

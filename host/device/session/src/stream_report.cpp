@@ -34,16 +34,22 @@ std::string named(std::string_view noun, const std::vector<Number>& numbers) {
   return fmt::format("{} {}", noun_after(numbers.size() == 1, noun), ranges(numbers));
 }
 
+std::string named_modules(const std::vector<design::ModuleNumber>& modules) {
+  std::vector<int> numbers;
+  for (const design::ModuleNumber m : modules) numbers.push_back(m.value);
+  return named("module", numbers);
+}
+
 double percent(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
 // Returns the modules that controllers of other patches read, by that patch.
-std::map<layout::PatchIndex, std::vector<layout::ModuleId>> adopters(const StreamReport& r) {
-  std::map<layout::PatchIndex, std::vector<layout::ModuleId>> list;
+std::map<layout::PatchIndex, std::vector<design::ModuleNumber>> adopters(const StreamReport& r) {
+  std::map<layout::PatchIndex, std::vector<design::ModuleNumber>> list;
   for (const AdoptedCounts& a : r.adopted) {
-    std::vector<layout::ModuleId>& modules = list[a.patch];
-    if (a.counts.with_data > 0 && std::ranges::count(modules, a.module) == 0) modules.push_back(a.module);
+    std::vector<design::ModuleNumber>& modules = list[a.patch];
+    if (a.counts.with_data > 0 && std::ranges::count(modules, a.number) == 0) modules.push_back(a.number);
   }
   std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
   return list;
@@ -77,8 +83,8 @@ void sum_up(StreamReport& r, std::uint64_t thrown_away) {
   for (const ModuleCounts& m : r.modules) {
     r.total += m.counts;
     patches[{m.cover, m.patch}] += m.counts;
-    if (m.never_heard() && !is_adopted(r, m)) r.never_heard.push_back(m.module);
-    if (m.slow) r.slow.push_back(m.module);
+    if (m.never_heard() && !is_adopted(r, m)) r.never_heard.push_back(m.number);
+    if (m.slow) r.slow.push_back(m.number);
   }
   for (const AdoptedCounts& a : r.adopted) {
     r.total += a.counts;
@@ -110,12 +116,12 @@ std::vector<std::string> sentences(const StreamReport& r, std::string_view diagn
     lines.push_back(fmt::format("silent: the {} of {}; check power and cable",
                                 noun_after(r.silent.size() == 1, "controller"), named("patch", r.silent)));
   if (!r.never_heard.empty())
-    lines.push_back(fmt::format("never heard: {}; {}", named("module", r.never_heard), diagnosis));
+    lines.push_back(fmt::format("never heard: {}; {}", named_modules(r.never_heard), diagnosis));
   for (const auto& [patch, modules] : adopters(r))
     lines.push_back(fmt::format("read by the controller of patch {}, because their own does not reach them: {}", patch,
-                                named("module", modules)));
+                                named_modules(modules)));
   if (!r.slow.empty())
-    lines.push_back(fmt::format("fewer samples than the rate says: {}; {}", named("module", r.slow), diagnosis));
+    lines.push_back(fmt::format("fewer samples than the rate says: {}; {}", named_modules(r.slow), diagnosis));
   if (r.lapses > 0)
     lines.push_back(fmt::format("this computer was too busy to renew its lease, {}; close other programs",
                                 counted(r.lapses, "time")));

@@ -150,7 +150,7 @@ design::OffRest LiveMonitor::off_rest() const {
     if (!modules_[k].heard || !trouble_of(modules_[k].state).empty()) continue;
     const auto change = touches_.change(layout::ModuleId{k});
     if (*std::ranges::min_element(change) > -TouchMap::kPressed_counts) continue;
-    off.modules.emplace_back(k);
+    off.modules.push_back(design::number_of(design_, static_cast<int>(k)));
     off.taxels += static_cast<int>(
         std::ranges::count_if(change, [](double c) { return std::abs(c) >= TouchMap::kPressed_counts; }));
   }

@@ -21,6 +21,7 @@ void TaxelTrace::step(const LiveMonitor& monitor) {
   const auto pressed = monitor.touches().pressed();
   if (!is_held_ && !pressed.empty() && (pressed.front().module != module_ || pressed.front().taxel != taxel_)) {
     module_ = pressed.front().module;
+    number_ = design::number_of(monitor.design(), module_);
     taxel_ = pressed.front().taxel;
     counts_.clear();
   }
@@ -36,7 +37,7 @@ std::vector<std::string> TaxelTrace::lines(std::size_t columns, double step_s) c
   const double max = std::max(TouchMap::kPressed_counts, *std::max_element(first, counts_.end()));
   std::string plot;
   std::for_each(first, counts_.end(), [&](double counts) { plot += block_of(counts / max); });
-  return {fmt::format("module {} taxel {}{}, last {:.0f} s, up to {:.0f} counts", module_, taxel_,
+  return {fmt::format("module {} taxel {}{}, last {:.0f} s, up to {:.0f} counts", number_, taxel_,
                       is_held_ ? " (held)" : "", static_cast<double>(shown) * step_s, max),
           plot};
 }

@@ -29,6 +29,7 @@ Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions
       frame_("skin_" + options.part),
       points_period_ns_(options.points_hz > 0.0 ? static_cast<std::uint64_t>(kSecond_ns / options.points_hz) : 0),
       calibration_(options.calibration),
+      numbers_(design.layout.numbers),
       frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
       cloud_(design) {
   if (part_name(options.part) != options.part)
@@ -49,7 +50,7 @@ Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions
 
 void Bridge::put_raw(std::span<const recording::ModuleSample> samples) {
   if (!raw_) return;
-  raw_->write(recording::encode_raw(samples));
+  raw_->write(recording::encode_raw(samples, numbers_));
   ++published_.raw;
   published_.samples += samples.size();
 }
@@ -68,7 +69,7 @@ void Bridge::add(const recording::ModuleSample& sample) {
 
 void Bridge::add_contacts(std::span<const recording::Contact> contacts, std::uint64_t stamp_ns) {
   if (contacts.empty() && !had_contacts_) return;
-  contacts_->write(recording::encode_contacts(contacts, stamp_ns, frame_, calibration_));
+  contacts_->write(recording::encode_contacts(contacts, stamp_ns, frame_, calibration_, numbers_));
   ++published_.contacts;
   had_contacts_ = !contacts.empty();
 }

@@ -38,7 +38,7 @@ std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
 // The hashes are computed from the definitions; tests/output/bridge/type_hash.py checks them.
 const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0d649e96dc34049322e8af47a52a640139eaf5"};
 const RosType kLayout{recording::kLayoutType,
-                      "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};
+                      "RIHS01_2ba07a59f18ea16c25f1aa6bcd8aca9896275796377c3fcbad20f5846c9e8aef"};
 const RosType kContacts{recording::kContactsType,
                         "RIHS01_67b6910a494dfaa0a3dfab5eff2f997e49943635ce28ff9077c30982634b878c"};
 const RosType kPoints{recording::kPointCloudType,

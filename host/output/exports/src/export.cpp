@@ -11,6 +11,7 @@
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -74,7 +75,7 @@ void add_modules(const design::Design& d, const View& view, const std::vector<de
                       fmt::format("<text class=\"number\" x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\" "
                                   "font-family=\"sans-serif\" font-size=\"6\" stroke=\"#fff\" stroke-width=\"1.2\" "
                                   "paint-order=\"stroke\">{}</text>\n",
-                                  at.x(), at.y() + 6.5, k)});
+                                  at.x(), at.y() + 6.5, design::number_of(d, static_cast<int>(k)))});
   }
 }
 
@@ -149,7 +150,7 @@ std::string taxels_csv(const design::Design& design, std::span<const NamedCover>
     while (covers.size() > 1 && k >= static_cast<std::size_t>(covers[1].first.module)) covers = covers.subspan(1);
     const auto& [name, first] = covers.front();
     const std::string cover = csv_field(name);
-    const std::size_t module = k - static_cast<std::size_t>(first.module);
+    const design::ModuleNumber module = design::number_of(design, static_cast<int>(k));
     const int patch = wiring[k].patch < 0 ? -1 : wiring[k].patch - first.patch;
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {

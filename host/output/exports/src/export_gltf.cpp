@@ -10,6 +10,7 @@
 #include "metres.hpp"
 #include "triskin/base/base64.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/exports/export.hpp"
 #include "triskin/layout/module.hpp"
@@ -120,7 +121,7 @@ void add_taxel_shapes(json& gltf, Buffer& buffer) {
   gltf["meshes"].push_back(mesh("temperature pad", disc, rim, 3));
 }
 
-json taxel_node(const design::Vec3& in_module_mm, std::size_t module, std::size_t taxel) {
+json taxel_node(const design::Vec3& in_module_mm, design::ModuleNumber module, std::size_t taxel) {
   const bool pressure = layout::measures_pressure(taxel);
   // The small offset keeps the taxel visible above its module.
   const design::Vec3 lifted(in_module_mm.x(), in_module_mm.y(), in_module_mm.z() + 0.1);
@@ -132,14 +133,17 @@ json taxel_node(const design::Vec3& in_module_mm, std::size_t module, std::size_
 
 json module_extras(const design::Design& design, const design::ModuleWiring& wiring, std::size_t id) {
   const design::PlacedModule& m = design.layout.modules[id];
-  json extras = {{"module", id}, {"island", m.island}, {"patch", wiring.patch}, {"neighbours", m.neighbour}};
+  json extras = {{"module", design::number_of(design, static_cast<int>(id))},
+                 {"island", m.island},
+                 {"patch", wiring.patch},
+                 {"neighbours", design::numbers_of(design, m.neighbour)}};
   if (wiring.patch < 0) return extras;
   const design::RoutedModule& r = wiring.routed;
   extras.update(json{{"node_address", design::node_address_of(design, wiring.patch)},
                      {"line", r.line},
                      {"address", r.address},
                      {"rotation", r.rotation},
-                     {"parent", r.parent},
+                     {"parent", design::number_of(design, r.parent)},
                      {"depth", r.depth}});
   return extras;
 }
@@ -151,14 +155,15 @@ int push(json& list, json value) {
 
 int add_module(json& nodes, const design::Design& design, const design::ModuleWiring& wiring, std::size_t id) {
   const design::PlacedModule& m = design.layout.modules[id];
+  const design::ModuleNumber number = design::number_of(design, static_cast<int>(id));
   const ModulePose frame = frame_of(m);
   json children = json::array();
   const auto taxels = design::taxels_of(m, wiring.routed.rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t)
     children.push_back(
-        push(nodes, taxel_node(frame.axes.transpose() * (taxels[t].position_mm - frame.origin_mm), id, t)));
+        push(nodes, taxel_node(frame.axes.transpose() * (taxels[t].position_mm - frame.origin_mm), number, t)));
   const Eigen::Quaterniond q(frame.axes);
-  return push(nodes, {{"name", fmt::format("module_{}", id)},
+  return push(nodes, {{"name", fmt::format("module_{}", number)},
                       {"mesh", 1},
                       {"translation", vector_of(frame.origin_mm * kMetres_per_mm)},
                       {"rotation", {q.x(), q.y(), q.z(), q.w()}},
@@ -188,7 +193,7 @@ int add_jumper(json& gltf, json& nodes, Buffer& buffer, const design::Design& de
                       {"extras",
                        {{"jumper", index},
                         {"kind", design::kJumperKindNames.name(j.kind)},
-                        {"modules", j.node},
+                        {"modules", design::numbers_of(design, j.node)},
                         {"sides", j.side},
                         {"length_mm", j.length_mm}}}});
 }

@@ -8,6 +8,7 @@
 #include "metres.hpp"
 #include "simulator_taxels.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/exports/export.hpp"
 #include "triskin/exports/simulators.hpp"
@@ -36,7 +37,8 @@ std::string plate_vertices(double corner_cut_mm) {
   return text;
 }
 
-std::string module_body(const std::string& name, int module, const design::PlacedModule& placed, MjcfTouch touch) {
+std::string module_body(const std::string& name, design::ModuleNumber module, const design::PlacedModule& placed,
+                        MjcfTouch touch) {
   const ModulePose pose = frame_of(placed);
   const Eigen::Quaterniond q(pose.axes);
   const std::string link = link_name(name, module);
@@ -72,7 +74,7 @@ std::string sensors(const design::Design& design, const std::string& name, MjcfT
     return fmt::format("    <tactile name=\"{0}_tactile\" geom=\"{0}_taxels\" mesh=\"{0}_taxels\"/>\n", name);
   std::string xml;
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
-    const std::string link = link_name(name, static_cast<int>(m));
+    const std::string link = link_name(name, design::number_of(design, static_cast<int>(m)));
     xml += fmt::format("    <touch name=\"{0}\" site=\"{0}_touch\"/>\n", link);
   }
   return xml;
@@ -86,7 +88,8 @@ std::string fixing(const design::Design& design, const std::string& name, const 
       "  </equality>\n  <contact>\n",
       name, body);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m)
-    xml += fmt::format("    <exclude body1=\"{}\" body2=\"{}\"/>\n", body, link_name(name, static_cast<int>(m)));
+    xml += fmt::format("    <exclude body1=\"{}\" body2=\"{}\"/>\n", body,
+                       link_name(name, design::number_of(design, static_cast<int>(m))));
   return xml + "  </contact>\n";
 }
 
@@ -110,7 +113,7 @@ std::string mjcf(const design::Design& design, MjcfTouch touch, const std::strin
         "group=\"3\"/>\n",
         name);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m)
-    xml += module_body(name, static_cast<int>(m), design.layout.modules[m], touch);
+    xml += module_body(name, design::number_of(design, static_cast<int>(m)), design.layout.modules[m], touch);
   xml += "    </body>\n  </worldbody>\n  <sensor>\n" + sensors(design, name, touch);
   xml += "  </sensor>\n";
   if (!robot_body.empty()) xml += fixing(design, name, robot_body);

@@ -7,6 +7,7 @@
 
 #include "metres.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/exports/export.hpp"
 #include "triskin/layout/module.hpp"
@@ -49,7 +50,7 @@ Pose box_pose_of(const design::PlacedModule& m, double corner_cut_mm) {
 }
 
 // Returns one row for each taxel: position and normal in the module's frame.
-std::string taxel_rows(const design::PlacedModule& m, const design::ModuleWiring& wiring, std::size_t id) {
+std::string taxel_rows(const design::PlacedModule& m, const design::ModuleWiring& wiring, design::ModuleNumber id) {
   const ModulePose frame = frame_of(m);
   std::string rows;
   const auto taxels = design::taxels_of(m, wiring.routed.rotation);
@@ -70,7 +71,7 @@ std::string taxel_table(const design::Design& design, const std::vector<design::
       "taxels_per_module=\"{}\">\n",
       design.design_id, design.layout.modules.size(), layout::kTaxelsPerModule);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-    table += taxel_rows(design.layout.modules[k], wiring[k], k);
+    table += taxel_rows(design.layout.modules[k], wiring[k], design::number_of(design, static_cast<int>(k)));
   return table + "    </triskin:skin>\n";
 }
 
@@ -104,8 +105,8 @@ std::string urdf(const design::Design& design) {
         "size=\"{2}\"/></geometry>\n    </visual>\n  </link>\n"
         "  <joint name=\"cover_to_module_{0}\" type=\"fixed\">\n    <parent link=\"cover\"/>\n    <child "
         "link=\"module_{0}\"/>\n    <origin xyz=\"{3}\" rpy=\"{4}\"/>\n  </joint>\n",
-        k, box_shift_mm(design.layout.corner_cut_mm) * kMetres_per_mm, plate_size(design.layout.corner_cut_mm),
-        pose.xyz_m, pose.rpy_rad);
+        design::number_of(design, static_cast<int>(k)), box_shift_mm(design.layout.corner_cut_mm) * kMetres_per_mm,
+        plate_size(design.layout.corner_cut_mm), pose.xyz_m, pose.rpy_rad);
   }
   return xml + taxel_table(design, wiring) + "</robot>\n";
 }
@@ -122,13 +123,14 @@ std::string sdf(const design::Design& design) {
         "      <visual name=\"module_{}\">\n        <pose>{} {}</pose>\n        "
         "<geometry><box><size>{}</size></box></geometry>\n"
         "      </visual>\n",
-        k, pose.xyz_m, pose.rpy_rad, plate_size(design.layout.corner_cut_mm));
+        design::number_of(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad,
+        plate_size(design.layout.corner_cut_mm));
   }
   xml += "    </link>\n";
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = pose_of(design.layout.modules[k]);
-    xml += fmt::format("    <frame name=\"module_{}\" attached_to=\"cover\"><pose>{} {}</pose></frame>\n", k,
-                       pose.xyz_m, pose.rpy_rad);
+    xml += fmt::format("    <frame name=\"module_{}\" attached_to=\"cover\"><pose>{} {}</pose></frame>\n",
+                       design::number_of(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad);
   }
   return xml + taxel_table(design, wiring) + "  </model>\n</sdf>\n";
 }

@@ -12,6 +12,7 @@
 #include "metres.hpp"
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::exports {
@@ -27,7 +28,7 @@ std::vector<design::ModuleWiring> wiring_for_icub(const design::Design& design) 
       throw InputError(
           fmt::format("export: module {} belongs to no controller, so no iCub host reads it; make the design again "
                       "with triskin design",
-                      k));
+                      design::number_of(design, static_cast<int>(k))));
   }
   if (design.patches.size() > kIcubBoards)
     throw InputError(

@@ -5,6 +5,7 @@
 
 #include "design_view.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::exports {
@@ -22,12 +23,12 @@ Shape module_shape(const design::PlacedModule& m, double corner_cut_mm, const Vi
   return {height + above, polygon(view, outline.points(), style)};
 }
 
-Shape number_shape(const design::PlacedModule& m, int id, const View& view) {
+Shape number_shape(const design::PlacedModule& m, design::ModuleNumber number, const View& view) {
   const design::Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
   const design::Vec2 at = view.flat(middle);
   return {view.height(middle) + 1e6, fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-family=\"sans-serif\" "
                                                  "font-size=\"7\" text-anchor=\"middle\">{}</text>\n",
-                                                 at.x(), at.y() + 2.5, id)};
+                                                 at.x(), at.y() + 2.5, number)};
 }
 
 void add_modules_now(const design::Design& now, const std::vector<int>& added, const View& view,
@@ -40,7 +41,7 @@ void add_modules_now(const design::Design& now, const std::vector<int>& added, c
                                   is_new ? "class=\"new\" fill=\"#3a3\" stroke=\"#222\" stroke-width=\"0.6\""
                                          : "class=\"kept\" fill=\"#ccd\" stroke=\"#667\" stroke-width=\"0.6\"",
                                   1.0));
-    if (is_new) shapes.push_back(number_shape(m, static_cast<int>(k), view));
+    if (is_new) shapes.push_back(number_shape(m, design::number_of(now, static_cast<int>(k)), view));
   }
 }
 

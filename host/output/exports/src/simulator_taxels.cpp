@@ -31,7 +31,7 @@ std::string simulator_name(const design::Design& design) {
   return ascii_name(design.name, "", "skin");
 }
 
-std::string link_name(const std::string& design_name, int module) {
+std::string link_name(const std::string& design_name, design::ModuleNumber module) {
   return fmt::format("{}_module_{}", design_name, module);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::exports {
 
@@ -20,6 +21,6 @@ struct SimulatorTaxel {
 /// Returns the name of the design reduced to letters, digits and "_", as the base of other names.
 [[nodiscard]] std::string simulator_name(const design::Design& design);
 /// Returns the name of a module's body.
-[[nodiscard]] std::string link_name(const std::string& design_name, int module);
+[[nodiscard]] std::string link_name(const std::string& design_name, design::ModuleNumber module);
 
 }  // namespace triskin::exports

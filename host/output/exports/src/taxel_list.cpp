@@ -14,9 +14,9 @@ std::string taxel_list_json(const design::Design& design) {
   const std::string name = simulator_name(design);
   nlohmann::json list = nlohmann::json::array();
   for (const SimulatorTaxel& t : simulator_taxels(design))
-    list.push_back({{"module", t.module},
+    list.push_back({{"module", design::number_of(design, t.module)},
                     {"taxel", t.taxel},
-                    {"link", link_name(name, t.module)},
+                    {"link", link_name(name, design::number_of(design, t.module))},
                     {"position_m", {t.position_m.x(), t.position_m.y(), t.position_m.z()}},
                     {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}},
                     {"radius_m", kElectrodeRadius_mm * kMetres_per_mm}});
@@ -37,9 +37,9 @@ std::string taxel_list_npz(const design::Design& design) {
     position.insert(position.end(), t.position_m.begin(), t.position_m.end());
     normal.insert(normal.end(), t.normal.begin(), t.normal.end());
     radius.push_back(kElectrodeRadius_mm * kMetres_per_mm);
-    module.push_back(t.module);
+    module.push_back(design::number_of(design, t.module).value);
     taxel.push_back(t.taxel);
-    link.push_back(link_name(name, t.module));
+    link.push_back(link_name(name, design::number_of(design, t.module)));
   }
   NpzWriter npz;
   npz.add("position", position, 3);

@@ -13,6 +13,7 @@
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::fabrication {
@@ -101,7 +102,7 @@ void add_marks(const design::Design& design, const sheet::Sides& sides, FlatIsla
   for (const int id : island.modules) {
     const Tile& tile = design.layout.modules[at(id)].tile;
     const auto& wired = wiring[at(id)];
-    island.marks.push_back({center_on(island, tile), fmt::format("{}", id), 3.0, 0.0});
+    island.marks.push_back({center_on(island, tile), fmt::format("{}", design::number_of(design, id)), 3.0, 0.0});
     for (int s = 0; s < 3; ++s) {
       const sheet::Side& side = sides.of[at(id)][at(s)];
       std::string text = wired.patch >= 0 && wired.routed.rotation == s ? "A" : "";

@@ -12,6 +12,7 @@
 #include "kicad_text.hpp"
 #include "module_tracks.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/module_side.hpp"
 
 namespace triskin::fabrication {
@@ -130,11 +131,11 @@ class Board {
   }
 
   void add_module(int id) {
-    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{id});
+    const ModuleSetting setting = setting_of(design_, wiring_, layout::ModuleId{id});
     const Pose pose = pose_of_module(id);
     std::vector<std::pair<ModulePad, std::string>> pads;
     for (const ModulePad& pad : module_pads()) pads.emplace_back(pad, net_of(pad, setting));
-    footprint(kModuleName, fmt::format("M{}", id), pose, pads);
+    footprint(kModuleName, fmt::format("M{}", design::number_of(design_, id)), pose, pads);
     for (std::size_t k = 0; k < kBusNets; ++k) {
       const auto ring = ring_of(k, island_.corner_cut_mm);
       for (std::size_t p = 0; p < ring.size(); ++p)
@@ -192,14 +193,15 @@ class Board {
         const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];
         if (side.cable)
           all.push_back({fmt::format("C{}", wiring_[static_cast<std::size_t>(id)].patch), id, port_at(id, s)});
-        if (side.jumper >= 0) all.push_back({fmt::format("J{}_M{}", side.jumper, id), id, port_at(id, s)});
+        if (side.jumper >= 0)
+          all.push_back({fmt::format("J{}_M{}", side.jumper, design::number_of(design_, id)), id, port_at(id, s)});
       }
     }
     return all;
   }
 
   void add_cable(const Cable& cable) {
-    const ModuleSetting setting = setting_of(wiring_, layout::ModuleId{cable.module});
+    const ModuleSetting setting = setting_of(design_, wiring_, layout::ModuleId{cable.module});
     Pose pose = pose_of_module(cable.module);
     pose.angle_rad += 2.0 * std::numbers::pi / 3.0 * static_cast<double>(cable.port);
     std::vector<std::pair<ModulePad, std::string>> pads;

@@ -132,7 +132,7 @@ std::vector<ModulePad> made_pads() {
 }
 
 std::string own_net(const ModuleSetting& setting, std::string_view name) {
-  return fmt::format("M{}_{}", setting.id, name);
+  return fmt::format("M{}_{}", setting.number, name);
 }
 
 // Returns the net of the chip's data or clock pin: that of its line if a strap is closed.
@@ -191,10 +191,12 @@ const std::vector<ModulePad>& module_pads() {
   return kAll;
 }
 
-ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, layout::ModuleId id) {
+ModuleSetting setting_of(const design::Design& design, const std::vector<design::ModuleWiring>& wiring,
+                         layout::ModuleId id) {
+  const design::ModuleNumber number = design::number_of(design, id);
   const design::ModuleWiring& wired = wiring.at(static_cast<std::size_t>(id));
-  if (wired.patch < 0) return {id, layout::PatchIndex::none(), std::nullopt, std::nullopt};
-  return {id, wired.patch, wired.routed.line, wired.routed.address};
+  if (wired.patch < 0) return {number, layout::PatchIndex::none(), std::nullopt, std::nullopt};
+  return {number, wired.patch, wired.routed.line, wired.routed.address};
 }
 
 bool is_closed(const Strap& strap, const ModuleSetting& setting) {

@@ -8,6 +8,7 @@
 
 #include "triskin/base/format_index.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/index.hpp"
 #include "triskin/layout/module.hpp"
 
@@ -85,14 +86,15 @@ struct Strap {
 
 /// States patch, line and address of a module.
 struct ModuleSetting {
-  layout::ModuleId id;
+  design::ModuleNumber number{0};
   /// −1 means no patch; the nets of the module are then its own.
   layout::PatchIndex patch = layout::PatchIndex::none();
   std::optional<int> line;     ///< The lines are 0 … 3.
   std::optional<int> address;  ///< The addresses are 0 … 3.
 };
 /// Returns the setting of a module of a design. `wiring` must be wiring_of() of the design. Errors: std::out_of_range.
-[[nodiscard]] ModuleSetting setting_of(const std::vector<design::ModuleWiring>& wiring, layout::ModuleId id);
+[[nodiscard]] ModuleSetting setting_of(const design::Design& design, const std::vector<design::ModuleWiring>& wiring,
+                                       layout::ModuleId id);
 
 /// Returns true when the strap is closed on a module of this setting. Without line and address all are open.
 [[nodiscard]] bool is_closed(const Strap& strap, const ModuleSetting& setting);

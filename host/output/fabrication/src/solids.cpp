@@ -9,6 +9,7 @@
 #include <map>
 
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::fabrication {
@@ -123,7 +124,8 @@ std::vector<Solid> module_solids(const design::Design& design, double corner_cut
     const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
     const design::Outline outline = design::outline_of(corner, corner_cut_mm);
     const auto colour = static_cast<std::size_t>(std::max(0, wiring[k].patch.value())) % kPatchColours.size();
-    solids.push_back({fmt::format("M{}", k), kPatchColours[colour], prism(outline.points(), kBoard_mm * normal)});
+    solids.push_back({fmt::format("M{}", design::number_of(design, static_cast<int>(k))), kPatchColours[colour],
+                      prism(outline.points(), kBoard_mm * normal)});
   }
   return solids;
 }

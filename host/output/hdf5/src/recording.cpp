@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hdf5_object.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/recording/readers.hpp"
 
@@ -88,7 +89,7 @@ Handle create(recording::OutputFile& file) {
 class Hdf5Recorder {
  public:
   Hdf5Recorder(recording::OutputFile& file, const design::Design& design, const recording::Origin& origin)
-      : name_(file.name()), file_(create(file)), readers_(design) {
+      : name_(file.name()), file_(create(file)), readers_(design), numbers_(design::all_numbers(design.layout)) {
     guarded([&] {
       const hid_t root = file_.id();
       write_text(root, "format", "triskin-recording");
@@ -102,7 +103,7 @@ class Hdf5Recorder {
     });
   }
   void add(const recording::ModuleSample& s) {
-    block_.module.push_back(s.module);
+    block_.module.push_back(numbers_.at(static_cast<std::size_t>(s.module)));
     block_.sample.push_back(s.sample.sample);
     block_.state.push_back(static_cast<std::uint8_t>(s.sample.state));
     block_.valid.push_back(s.sample.valid);
@@ -187,7 +188,8 @@ class Hdf5Recorder {
   std::string name_;
   Handle file_;
   recording::Readers readers_;
-  GrowingTable module_ = list({"module", "1", "id in the design"}, H5T_STD_I32LE, H5T_NATIVE_INT32),
+  std::vector<int> numbers_;  // by module
+  GrowingTable module_ = list({"module", "1", "number in the design"}, H5T_STD_I32LE, H5T_NATIVE_INT32),
                sample_ = list({"sample", "1", "number of the module's sample; a gap is a lost one"}, H5T_STD_U32LE,
                               H5T_NATIVE_UINT32),
                state_ = list({"state", "1", "of the module (docs/protocol.md)"}, H5T_STD_U8LE, H5T_NATIVE_UINT8),

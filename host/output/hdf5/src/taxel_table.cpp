@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hdf5_object.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::hdf5 {
@@ -42,7 +43,7 @@ Rows rows_of(const design::Design& design) {
   for (std::size_t k = 0; k < wiring.size(); ++k) {
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {
-      rows.module.push_back(static_cast<int>(k));
+      rows.module.push_back(design::number_of(design, static_cast<int>(k)).value);
       rows.taxel.push_back(static_cast<int>(t));
       rows.patch.push_back(wiring[k].patch);
       rows.line.push_back(wiring[k].patch < 0 ? -1 : wiring[k].routed.line);
@@ -62,7 +63,7 @@ void write_rows(hid_t file, const Rows& rows) {
   const auto list = [&](const TableColumn& column, const std::vector<int>& values) {
     write_table(file, column, n, 1, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
   };
-  list({"module", "1", "id in the design"}, rows.module);
+  list({"module", "1", "number in the design"}, rows.module);
   list({"taxel", "1", "input of the converter, 0 to 11"}, rows.taxel);
   list({"patch", "1", "controller, -1: none"}, rows.patch);
   list({"line", "1", "I2C line 0 to 3, -1: none"}, rows.line);

@@ -9,6 +9,7 @@
 #include "drawing.hpp"
 #include "module_geometry.hpp"
 #include "pages.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::sheet {
@@ -66,6 +67,7 @@ double part_of_mark(const Drawing& d, const PageSide& at, int match, int other) 
 void draw_match(const Drawing& d, const PageSide& at, const Side& side, int module) {
   const Match& match = d.plan.sides.matches[index(side.match)];
   const int other = match.module[match.module[0] == module ? 1 : 0];
+  const design::ModuleNumber number = design::number_of(d.design, other);
   const bool slit = side.kind == SideKind::kSlit;
   const double out = slit ? -1.0 : 1.0;
   const bool brief = slit || side.cable || side.second_cable;  // There is no room for more.
@@ -73,8 +75,8 @@ void draw_match(const Drawing& d, const PageSide& at, const Side& side, int modu
   const Vec2 foot = at.from + part * (at.to - at.from);
   d.canvas.line(foot, foot + out * 2.2 * at.outward, {0.5, kBlack, 0.0});
   write_along(d, at, part, out * 2.8,
-              brief ? fmt::format("m{} → {}", side.match, other)
-                    : fmt::format("m{} → {}, gap {:.1f}", side.match, other, match.gap_mm),
+              brief ? fmt::format("m{} → {}", side.match, number)
+                    : fmt::format("m{} → {}, gap {:.1f}", side.match, number, match.gap_mm),
               {.size_mm = 2.2});
 }
 
@@ -84,7 +86,7 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
   d.canvas.fill_rectangle(at.middle() - Vec2(1.2, 1.2), {2.4, 2.4}, kBlue);
   d.canvas.line(at.middle(), at.middle() + 3.0 * at.outward, {0.6, kBlue, 0.0});
   write_along(d, at, 0.5, 3.6,
-              fmt::format("J{} → {} port {}, {:.0f} mm", side.jumper, j.node[far],
+              fmt::format("J{} → {} port {}, {:.0f} mm", side.jumper, design::number_of(d.design, j.node[far]),
                           port_at(j.side[far], d.plan.wiring[index(j.node[far])].routed.rotation),
                           std::ceil(j.length_mm - 1e-9)),
               {.size_mm = 2.2, .color = kBlue});
@@ -115,7 +117,8 @@ void draw_ghost(const Drawing& d, const PageSide& at, int other) {
     d.canvas.line(side.to, side_on(d, other, (s + 1) % 3).from, {0.15, kPale, 1.0});
   }
   for (const Vec2& p : {at.from, at.to}) draw_cross(d.canvas, p, 2.0, 0.15);
-  write_along(d, at, 0.5, 3.2, fmt::format("{} on page {}", other, d.plan.page_of_module[index(other)]),
+  write_along(d, at, 0.5, 3.2,
+              fmt::format("{} on page {}", design::number_of(d.design, other), d.plan.page_of_module[index(other)]),
               {.size_mm = 2.2, .color = kRed});
 }
 
@@ -139,8 +142,13 @@ void draw_side(const Drawing& d, int module, int s, const std::set<int>& here) {
 ModuleMarks marks_of(const Drawing& d, int module) {
   const auto& wiring = d.plan.wiring[index(module)];
   const bool up = d.design.layout.modules[index(module)].tile.up != (d.island->sixths % 2 == 1);
-  return {std::to_string(module), wiring.routed.line,           wiring.routed.address, wiring.routed.rotation, up,
-          wiring.patch,           d.design.layout.corner_cut_mm};
+  return {fmt::format("{}", design::number_of(d.design, module)),
+          wiring.routed.line,
+          wiring.routed.address,
+          wiring.routed.rotation,
+          up,
+          wiring.patch,
+          d.design.layout.corner_cut_mm};
 }
 
 void draw_short_sides(const Drawing& d, int module) {
@@ -163,7 +171,7 @@ Vec2 outward_at(const Drawing& d, const Vec2& corner) {
 
 std::string text_of_point(const Drawing& d, std::size_t k) {
   const Anchor& a = d.plan.anchors[index(d.island->island)][k];
-  return fmt::format("{} (module {}{})", k == 0 ? "P" : "Q", a.module,
+  return fmt::format("{} (module {}{})", k == 0 ? "P" : "Q", design::number_of(d.design, a.module),
                      d.island->parts > 1 ? fmt::format(", page {}", d.plan.page_of_module[index(a.module)]) : "");
 }
 

@@ -7,6 +7,7 @@
 
 #include "drawing.hpp"
 #include "pages.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/sheet/page_code.hpp"
 
 namespace triskin::sheet {
@@ -19,11 +20,11 @@ std::vector<Label> labels_of(const design::Design& design, const Plan& plan) {
   for (std::size_t p = 0; p < design.patches.size(); ++p)
     labels.push_back({static_cast<int>(p), fmt::format("C{}", p),
                       fmt::format("node address {}", design::node_address_of(design, layout::PatchIndex{p})),
-                      fmt::format("entry: module {}", design.patches[p].entry)});
+                      fmt::format("entry: module {}", design::number_of(design, design.patches[p].entry))});
   for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k) {
     const auto& j = design.layout.jumpers[k];
     const auto end = [&](std::size_t e) {
-      return fmt::format("module {} port {}", j.node[e],
+      return fmt::format("module {} port {}", design::number_of(design, j.node[e]),
                          port_at(j.side[e], plan.wiring[static_cast<std::size_t>(j.node[e])].routed.rotation));
     };
     labels.push_back({-1, fmt::format("J{}", k), end(0), end(1)});

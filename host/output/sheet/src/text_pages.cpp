@@ -10,6 +10,7 @@
 
 #include "pages.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/design/straps.hpp"
@@ -198,8 +199,8 @@ void add_island_steps(Lines& lines, const Plan& plan) {
            "and Q do not both fit, divide the difference between them.");
 }
 
-std::string text_of_anchor(const Anchor& anchor, const Plan& plan) {
-  std::string text = fmt::format("module {}:", anchor.module);
+std::string text_of_anchor(const Anchor& anchor, const design::Design& design, const Plan& plan) {
+  std::string text = fmt::format("module {}:", design::number_of(design, anchor.module));
   for (std::size_t k = 0; k < 2; ++k) {
     if (anchor.fix.landmark[k] >= 0)
       text +=
@@ -209,7 +210,7 @@ std::string text_of_anchor(const Anchor& anchor, const Plan& plan) {
   return text;
 }
 
-void add_island_list(Lines& lines, const Plan& plan, const std::vector<int>& modules) {
+void add_island_list(Lines& lines, const design::Design& design, const Plan& plan, const std::vector<int>& modules) {
   const bool placed = !plan.landmarks.empty();
   const std::vector<double> columns{6.0, 20.0, 38.0, 62.0, 130.0};
   TextLine head{LineKind::kHead, {"island", "modules", "page"}, columns};
@@ -221,7 +222,8 @@ void add_island_list(Lines& lines, const Plan& plan, const std::vector<int>& mod
                  {std::to_string(island), std::to_string(modules[island]),
                   text_of_pages(pages_of_island(plan, static_cast<int>(island)))},
                  columns};
-    for (std::size_t k = 0; k < 2 && placed; ++k) row.cells.push_back(text_of_anchor(plan.anchors[island][k], plan));
+    for (std::size_t k = 0; k < 2 && placed; ++k)
+      row.cells.push_back(text_of_anchor(plan.anchors[island][k], design, plan));
     lines.push_back(std::move(row));
   }
 }
@@ -238,7 +240,8 @@ void add_bends(Lines& lines, const design::Design& design) {
   constexpr std::size_t kMaxNamed = 12;
   std::string text;
   for (std::size_t k = 0; k < std::min(kMaxNamed, bends.size()); ++k)
-    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", bends[k].second, bend_text(bends[k].first));
+    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", design::number_of(design, bends[k].second),
+                        bend_text(bends[k].first));
   if (bends.size() > kMaxNamed) text += ", …";
   add_text(lines,
            fmt::format("Modules bent to a radius of less than {:.0f} mm, which is written in red (mm): {}; {} in all. "
@@ -257,7 +260,7 @@ void add_supply(Lines& lines, const design::Design& design, const Plan& plan) {
     add_text(lines,
              fmt::format("Controller {}: modules {} get less than {:.2f} V, which is written in red. Lead supply and "
                          "ground to the last of them by a second pair of wires.",
-                         p, fmt::join(weak, ", "), plan.supply.needed_v()));
+                         p, fmt::join(design::numbers_of(design, weak), ", "), plan.supply.needed_v()));
   }
 }
 
@@ -268,7 +271,7 @@ void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
     const auto& j = design.layout.jumpers[k];
     const auto end = [&](std::size_t e) {
       const auto module = static_cast<std::size_t>(j.node[e]);
-      return fmt::format("module {} port {} (page {})", j.node[e],
+      return fmt::format("module {} port {} (page {})", design::number_of(design, j.node[e]),
                          port_at(j.side[e], plan.wiring[module].routed.rotation), plan.page_of_module[module]);
     };
     add_tick(lines, fmt::format("J{}: {} of {:.0f} mm from {} to {}.", k, design::kJumperKindNames.name(j.kind),
@@ -280,7 +283,7 @@ void add_connecting(Lines& lines, const design::Design& design, const Plan& plan
   add_title(lines, "Order of work: controllers");
   for (std::size_t p = 0; p < design.patches.size(); ++p)
     add_tick(lines, fmt::format("Controller {}: plug its cable into port A of module {} (page {}; table on page {}).",
-                                p, design.patches[p].entry,
+                                p, design::number_of(design, design.patches[p].entry),
                                 plan.page_of_module.at(static_cast<std::size_t>(design.patches[p].entry)),
                                 page_of_controller(plan, static_cast<int>(p))));
   add_tick(
@@ -313,7 +316,7 @@ Lines work_lines(const design::Design& design, const Plan& plan) {
   add_island_steps(lines, plan);
   add_bends(lines, design);
   add_supply(lines, design, plan);
-  add_island_list(lines, plan, modules);
+  add_island_list(lines, design, plan, modules);
   add_title(lines, "Order of work: on the part");
   add_tick(lines,
            "Look at all seams. Sides with the same mark m0, m1, … are opposite each other; beside it is the gap. "
@@ -332,8 +335,9 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
   const int rotation = plan.wiring[static_cast<std::size_t>(module)].routed.rotation;
   const design::Vec3 at = design::middle_of_side(m, side);
   add_text(lines,
-           fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
-                       port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
+           fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what,
+                       design::number_of(design, module), port_at(side, rotation),
+                       plan.page_of_module[static_cast<std::size_t>(module)],
                        text_of(fix_of(plan.landmarks, at), plan.landmarks)),
            kBesideCode);
 }
@@ -346,8 +350,9 @@ void add_kinds(Lines& lines, const design::Design& design, const design::Patch& 
       if (design.layout.modules[static_cast<std::size_t>(m.node)].kind == static_cast<int>(k)) ids.push_back(m.node);
     }
     if (!ids.empty())
-      add_text(lines, fmt::format("Kind {}: {} {}.", design::kind_of(design.kinds, static_cast<int>(k)).name,
-                                  noun_after(ids.size() == 1, "module"), fmt::join(ids, ", ")));
+      add_text(lines,
+               fmt::format("Kind {}: {} {}.", design::kind_of(design.kinds, static_cast<int>(k)).name,
+                           noun_after(ids.size() == 1, "module"), fmt::join(design::numbers_of(design, ids), ", ")));
   }
 }
 
@@ -371,8 +376,8 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   for (const auto& m : patch.modules) {
     const auto id = static_cast<std::size_t>(m.node);
     TextLine row{LineKind::kTickRow,
-                 {std::to_string(m.node), std::to_string(plan.page_of_module[id]), fmt::format("L{}", m.line),
-                  design::address_strap(m.address)},
+                 {fmt::format("{}", design::number_of(design, m.node)), std::to_string(plan.page_of_module[id]),
+                  fmt::format("L{}", m.line), design::address_strap(m.address)},
                  columns};
     for (int port = 0; port < 3; ++port)
       row.cells.push_back(
@@ -484,16 +489,17 @@ std::string text_of(const Side& side, const design::Design& design, const Plan& 
   if (side.cable) return "cable";
   if (side.jumper >= 0) {
     const auto& jumper = design.layout.jumpers[static_cast<std::size_t>(side.jumper)];
-    return fmt::format("jumper J{} to {}", side.jumper, jumper.node[jumper.node[0] == module ? 1 : 0]);
+    return fmt::format("jumper J{} to {}", side.jumper,
+                       design::number_of(design, jumper.node[jumper.node[0] == module ? 1 : 0]));
   }
-  if (side.kind == SideKind::kKept) return std::to_string(side.other);
-  if (side.kind == SideKind::kCut) return fmt::format("cut ({})", side.other);
+  const design::ModuleNumber other = design::number_of(design, side.other);
+  if (side.kind == SideKind::kKept) return fmt::format("{}", other);
+  if (side.kind == SideKind::kCut) return fmt::format("cut ({})", other);
   const std::string second = side.second_cable ? "2nd cable, " : "";
   if (side.kind == SideKind::kApart)
-    return fmt::format("{}cut ({} of C{})", second, side.other,
-                       plan.wiring[static_cast<std::size_t>(side.other)].patch);
+    return fmt::format("{}cut ({} of C{})", second, other, plan.wiring[static_cast<std::size_t>(side.other)].patch);
   const std::string mark = side.match >= 0 ? fmt::format(", m{}", side.match) : "";
-  return second + (side.kind == SideKind::kSlit ? fmt::format("slit ({})", side.other) : "edge") + mark;
+  return second + (side.kind == SideKind::kSlit ? fmt::format("slit ({})", other) : "edge") + mark;
 }
 
 std::vector<Page> text_pages(const design::Design& design, const Plan& plan, Paper paper) {

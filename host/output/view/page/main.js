@@ -64,7 +64,7 @@ class Page {
     this.resize();
     openPart(this.hasSkin ? "contact-part" : "design-part");
     const place = /^#module-(\d+)$/.exec(location.hash); // view begins at the module that its argument named
-    if (place) this.select(Number(place[1]), true);
+    if (place) this.select(this.model.moduleOf(place[1]), true);
     if (track) this.openRecording(track);
     requestAnimationFrame((at) => this.frame(at));
   }

@@ -86,12 +86,8 @@ export class Model {
   shows(k) { return this.shown[k] === 1; }
   /** Shows the modules for which `wanted` holds, and no others. @param {(k: number) => boolean} wanted */
   show(wanted) { for (let k = 0; k < this.count; ++k) this.shown[k] = wanted(k) ? 1 : 0; ++this.shownVersion; }
-  /** The number that a module has in its own design: every cover of a robot, and each of two that are compared, begins with 0. @param {number} k */
-  numberOf(k) {
-    const cover = this.coverOf(k);
-    if (cover >= 0) return k - this.data.covers[cover].first_module;
-    return this.data.changes?.length && k >= this.data.before.modules ? k - this.data.before.modules : k;
-  }
+  /** The number on the label of a module, in its own design. @param {number} k */
+  numberOf(k) { return this.modules[k].number; }
   /** The name of a module as all outputs say it: "upperarm 19" on a robot, else its number. @param {number} k */
   nameOf(k) { const cover = this.coverOf(k); return cover < 0 ? `${this.numberOf(k)}` : `${this.data.covers[cover].name} ${this.numberOf(k)}`; }
   /** The module of a name: "upperarm 19", or a number alone, which is that of the first cover; −1: none. @param {string} text */

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/view/notes.hpp"
 
 namespace triskin::view {
@@ -20,6 +21,19 @@ struct Place {
 [[noreturn]] void throw_no_report(const std::string& name) {
   throw InputError(
       fmt::format("{}: not a report of triskin verify; write one with triskin verify DESIGN --report FILE.json", name));
+}
+
+// The number of a module is that of its label; the modules of the covers stand one after the other.
+layout::SkinModule module_in(const json& finding, const design::Design& design, const Place& place,
+                             const std::string& name) {
+  const auto found = finding.find("module");
+  if (found == finding.end() || found->is_null()) return layout::SkinModule::none();
+  if (!found->is_number_integer()) throw_no_report(name);
+  for (int k = place.first_module; k < place.first_module + place.modules; ++k) {
+    if (std::int64_t{design::number_of(design, k).value} == found->get<std::int64_t>()) return layout::SkinModule{k};
+  }
+  throw InputError(fmt::format("{}: a finding is about module {}, which is not there; this report is of another design",
+                               name, found->dump()));
 }
 
 // A null and a missing key both mean "none".
@@ -39,12 +53,13 @@ std::string text_in(const json& finding, const char* key) {
   return found != finding.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-void append(std::vector<Finding>& all, const json& report, const Place& place, const std::string& name) {
+void append(std::vector<Finding>& all, const json& report, const design::Design& design, const Place& place,
+            const std::string& name) {
   const auto findings = report.find("findings");
   if (findings == report.end() || !findings->is_array()) throw_no_report(name);
   for (const json& f : *findings) {
     if (!f.is_object()) throw_no_report(name);
-    all.push_back({layout::SkinModule{number_in(f, "module", place.first_module, place.modules, name)},
+    all.push_back({module_in(f, design, place, name),
                    layout::PatchIndex{number_in(f, "patch", place.first_patch, place.patches, name)},
                    text_in(f, "text"), text_in(f, "remedy")});
   }
@@ -71,13 +86,13 @@ std::vector<Finding> findings_in(std::string_view report, const std::string& nam
   if (const auto list = root.find("covers"); list != root.end() && list->is_array()) {
     for (const json& of_cover : *list) {
       if (!of_cover.is_object()) throw_no_report(name);
-      append(all, of_cover, place_of(text_in(of_cover, "cover"), covers, design, name), name);
+      append(all, of_cover, design, place_of(text_in(of_cover, "cover"), covers, design, name), name);
     }
   } else if (!cover.empty() && !covers.empty()) {
-    append(all, root, place_of(cover, covers, design, name), name);
+    append(all, root, design, place_of(cover, covers, design, name), name);
   } else {
-    append(all, root, {0, 0, static_cast<int>(design.layout.modules.size()), static_cast<int>(design.patches.size())},
-           name);
+    append(all, root, design,
+           {0, 0, static_cast<int>(design.layout.modules.size()), static_cast<int>(design.patches.size())}, name);
   }
   return all;
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/view/page.hpp"
 
@@ -58,12 +59,13 @@ json metrics_of(const design::PlacedModule& m) {
   return list;
 }
 
-json module_of(const design::PlacedModule& m, const design::ModuleWiring& wiring) {
+json module_of(const design::PlacedModule& m, const design::ModuleWiring& wiring, design::ModuleNumber number) {
   json corners = json::array(), taxels = json::array();
   for (const auto& c : m.corner_mm) append(corners, c);
   for (const auto& t : design::taxels_of(m, wiring.routed.rotation)) append(taxels, t.position_mm);
   const design::RoutedModule& r = wiring.routed;
-  return {{"corners", std::move(corners)},
+  return {{"number", number},
+          {"corners", std::move(corners)},
           {"taxels", std::move(taxels)},
           {"tile", {m.tile.i, m.tile.j, m.tile.up ? 1 : 0}},
           {"island", m.island},
@@ -159,7 +161,7 @@ std::string model_json(const design::Design& design, bool recording, const Notes
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    modules.push_back(module_of(design.layout.modules[k], wiring[k]));
+    modules.push_back(module_of(design.layout.modules[k], wiring[k], design::number_of(design, static_cast<int>(k))));
     if (!design.kinds.empty())
       modules.back()["kind"] = design::kind_of(design.kinds, design.layout.modules[k].kind).name;
   }

@@ -20,6 +20,7 @@ using Triangle3 = std::array<P3, 3>;
 /// The checker reads the design with its own code, so it shares no type with the solvers.
 struct CheckedDesign {
   struct Module {
+    int number;  ///< The file names modules by numbers; everything else here has indices.
     int island, i, j;
     bool up;
     Triangle3 corner;
@@ -96,6 +97,10 @@ struct CheckedDesign {
   std::vector<int> entries_elsewhere;  ///< The file lists these patches if entries are limited.
   std::string method;
   std::uint64_t design_id;
+  int next_module;  ///< −1: the file does not say
+  /// Returns the number of module `k` for messages; −1 gives −1.
+  [[nodiscard]] int number(int k) const { return k < 0 ? k : modules[static_cast<std::size_t>(k)].number; }
+  [[nodiscard]] std::string name(std::size_t k) const { return "module " + std::to_string(modules[k].number); }
 };
 
 /// Returns the number of a kind by its name: 0 the standard one, k + 1 kinds[k], −1 none.
@@ -133,9 +138,6 @@ void check_report(const CheckedDesign& design, Findings& findings);
 
 inline constexpr double kSide = 30.0, kRoot3 = std::numbers::sqrt3;
 inline constexpr double kModule_mm2 = kSide * kSide * kRoot3 / 4.0;
-[[nodiscard]] inline std::string module_name(std::size_t k) {
-  return "module " + std::to_string(k);
-}
 [[nodiscard]] inline P3 centroid(const Triangle3& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }

@@ -57,12 +57,9 @@ class Fnv {
 // Tables store a kind as a number of three bits above an id of thirteen.
 void check_kinds(const CheckedDesign& d, Findings& f) {
   f.rule("kinds");
-  constexpr std::size_t kMaxKinds = 7, kMaxModules = 8192;
-  if (d.kinds.size() > kMaxKinds || d.modules.size() > kMaxModules) {
-    f.broken("kinds", "design",
-             fmt::format("{} kinds and {} modules; a table holds {} and {}", d.kinds.size(), d.modules.size(),
-                         kMaxKinds, kMaxModules));
-  }
+  constexpr std::size_t kMaxKinds = 7;
+  if (d.kinds.size() > kMaxKinds)
+    f.broken("kinds", "design", fmt::format("{} kinds; a table holds {}", d.kinds.size(), kMaxKinds));
   for (std::size_t k = 0; k < d.kinds.size(); ++k) {
     const auto& kind = d.kinds[k];
     const std::string where = fmt::format("kind \"{}\"", kind.name);
@@ -75,8 +72,24 @@ void check_kinds(const CheckedDesign& d, Findings& f) {
   }
   for (std::size_t m = 0; m < d.modules.size(); ++m) {
     if (kind_number(d, d.modules[m].kind) < 0)
-      f.broken("kinds", module_name(m), fmt::format("\"{}\" is no kind of this design", d.modules[m].kind));
+      f.broken("kinds", d.name(m), fmt::format("\"{}\" is no kind of this design", d.modules[m].kind));
   }
+}
+
+// Labels and tables name a module by its number: 16 bits, or 13 beside kinds. A number must not be given to a second
+// module, neither now nor later.
+void check_numbers(const CheckedDesign& d, Findings& f) {
+  f.rule("module-number");
+  const int end = d.kinds.empty() ? 65'536 : 8'192;
+  for (std::size_t k = 0; k < d.modules.size(); ++k) {
+    const int number = d.modules[k].number;
+    if (number < 0 || number >= end)
+      f.broken("module-number", d.name(k), fmt::format("a table holds numbers of 0 … {}", end - 1));
+    if (k > 0 && number <= d.modules[k - 1].number)
+      f.broken("module-number", d.name(k), fmt::format("stands after {}; numbers ascend", d.name(k - 1)));
+  }
+  if (d.next_module >= 0 && !d.modules.empty() && d.next_module <= d.modules.back().number)
+    f.broken("module-number", "design", fmt::format("the next module would get {}, which is in use", d.next_module));
 }
 
 // A controller whose id matches is not flashed again, so an id that belongs to other modules would leave it unchanged.
@@ -112,6 +125,8 @@ void check_id(const CheckedDesign& d, Findings& f) {
     fnv.add(std::llround(k.sensitivity * 1000.0));
   }
   for (std::size_t m = 0; !d.kinds.empty() && m < d.modules.size(); ++m) fnv.add(kind_number(d, d.modules[m].kind));
+  const bool has_gaps = !d.modules.empty() && d.modules.back().number != static_cast<int>(d.modules.size()) - 1;
+  for (std::size_t m = 0; has_gaps && m < d.modules.size(); ++m) fnv.add(d.modules[m].number);
   if (fnv.value() != d.design_id) {
     f.broken("design-id", "design",
              fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id,
@@ -128,6 +143,7 @@ int kind_number(const CheckedDesign& d, const std::string& name) {
 }
 
 void check_report(const CheckedDesign& d, Findings& f) {
+  check_numbers(d, f);
   check_id(d, f);
   for (const char* rule : {"report-area", "report-coverage", "report-maxima", "report-bound"}) f.rule(rule);
   double area = 0.0;

@@ -76,7 +76,7 @@ class JumperRules {
  private:
   [[nodiscard]] const CheckedDesign::Module& module(int k) const { return d_.modules[static_cast<std::size_t>(k)]; }
   [[nodiscard]] std::string name(std::size_t k) const {
-    return fmt::format("jumper {}–{}", d_.jumpers[k].module[0], d_.jumpers[k].module[1]);
+    return fmt::format("jumper {}–{}", d_.number(d_.jumpers[k].module[0]), d_.number(d_.jumpers[k].module[1]));
   }
   void broken(const char* rule, std::size_t jumper, std::string text) {
     f_.broken(rule, name(jumper), std::move(text));
@@ -91,8 +91,8 @@ class JumperRules {
     for (std::size_t e = 0; e < 2; ++e) {
       const auto& m = module(j.module[e]);
       const int joint = m.neighbour[static_cast<std::size_t>(j.side[e])];
-      const std::string place = fmt::format("module {} side {}", j.module[e], j.side[e]);
-      if (joint >= 0) broken("jumper-side", k, fmt::format("{} is joined to module {}", place, joint));
+      const std::string place = fmt::format("module {} side {}", d_.number(j.module[e]), j.side[e]);
+      if (joint >= 0) broken("jumper-side", k, fmt::format("{} is joined to module {}", place, d_.number(joint)));
       if (!sides_.insert({j.module[e], j.side[e]}).second)
         broken("jumper-side", k, fmt::format("{} has another jumper", place));
       if (m.parent < 0 && m.rotation == j.side[e])
@@ -140,7 +140,7 @@ class JumperRules {
     for (std::size_t m = 0; m < d_.modules.size(); ++m) {
       if ((centroid(d_.modules[m].corner) - (c.a + c.b) / 2).norm() > kSide + (c.b - c.a).norm()) continue;
       const double inside = length_inside(c.a, c.b, d_.modules[m].corner, d_.limits.penetration + kStated_mm);
-      if (inside > 0.0) broken("jumper-crossing", k, fmt::format("lies {:.2f} mm over module {}", inside, m));
+      if (inside > 0.0) broken("jumper-crossing", k, fmt::format("lies {:.2f} mm over {}", inside, d_.name(m)));
     }
   }
 

@@ -26,7 +26,7 @@ void check_rigid(const CheckedDesign& d, Findings& f) {
     for (std::size_t s = 0; s < 3; ++s) {
       const double side = (d.modules[k].corner[(s + 1) % 3] - d.modules[k].corner[s]).norm();
       if (!(std::abs(side - kSide) <= kRigid_mm))
-        f.broken("rigid", module_name(k), fmt::format("side {} is {:.6f} mm, a module's is 30 mm", s, side));
+        f.broken("rigid", d.name(k), fmt::format("side {} is {:.6f} mm, a module's is 30 mm", s, side));
     }
   }
 }
@@ -37,7 +37,7 @@ void check_tiles(const CheckedDesign& d, Findings& f) {
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
     const auto [at, is_new] = seen.try_emplace({m.island, m.i, m.j, m.up}, k);
-    if (!is_new) f.broken("tile-unique", module_name(k), fmt::format("lies on the tile of module {}", at->second));
+    if (!is_new) f.broken("tile-unique", d.name(k), "lies on the tile of " + d.name(at->second));
   }
 }
 
@@ -48,15 +48,17 @@ void check_joints(const CheckedDesign& d, Findings& f) {
       const int n = d.modules[k].neighbour[static_cast<std::size_t>(s)];
       if (n < 0) continue;
       const auto& other = d.modules[static_cast<std::size_t>(n)];
-      const std::string where = fmt::format("module {} side {}", k, s);
+      const std::string where = fmt::format("{} side {}", d.name(k), s);
       const int t = matching_side(d.modules[k], s, other);
       if (t < 0) {
-        f.broken("joint-lattice", where, fmt::format("joined to module {}, whose tile does not share this side", n));
+        f.broken("joint-lattice", where,
+                 fmt::format("joined to module {}, whose tile does not share this side", d.number(n)));
       } else if (other.neighbour[static_cast<std::size_t>(t)] != static_cast<int>(k)) {
-        f.broken("joint-symmetric", where, fmt::format("module {} is not joined back across its side {}", n, t));
+        f.broken("joint-symmetric", where,
+                 fmt::format("module {} is not joined back across its side {}", d.number(n), t));
       }
       if (other.island != d.modules[k].island)
-        f.broken("joint-island", where, fmt::format("module {} belongs to another island", n));
+        f.broken("joint-island", where, fmt::format("module {} belongs to another island", d.number(n)));
     }
   }
 }
@@ -110,7 +112,7 @@ void check_hinges(const CheckedDesign& d, Findings& f) {
         fold_limit = std::min(fold_limit, is_ridge ? d.limits.fold_away : d.limits.fold_towards);
         edge_error = std::max(edge_error, std::abs(((b + e) / 2 - (a + c) / 2).norm() - kSide));
       }
-      const std::string where = fmt::format("module {} side {}", k, s);
+      const std::string where = fmt::format("{} side {}", d.name(k), s);
       if (!(gap <= d.limits.hinge_gap))
         f.broken("hinge-gap", where, fmt::format("{:.3f} mm, limit {} mm", gap, d.limits.hinge_gap));
       if (!(fold <= fold_limit)) f.broken("fold", where, fmt::format("{:.3f} rad, limit {:.3f} rad", fold, fold_limit));
@@ -120,10 +122,9 @@ void check_hinges(const CheckedDesign& d, Findings& f) {
         f.broken("fold", where, fmt::format("stated {:.6f} rad, measured {:.6f} rad", m.fold[s], fold));
     }
     if (!(edge_error <= d.limits.edge_error))
-      f.broken("edge-error", module_name(k), fmt::format("{:.3f} mm, limit {} mm", edge_error, d.limits.edge_error));
+      f.broken("edge-error", d.name(k), fmt::format("{:.3f} mm, limit {} mm", edge_error, d.limits.edge_error));
     if (!(std::abs(edge_error - m.edge_error) <= kStated)) {
-      f.broken("edge-error", module_name(k),
-               fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.edge_error, edge_error));
+      f.broken("edge-error", d.name(k), fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.edge_error, edge_error));
     }
   }
 }
@@ -139,7 +140,7 @@ void check_taxels(const CheckedDesign& d, Findings& f) {
     for (std::size_t t = 0; t < 12; ++t) {
       const P3 expected = c + kPad[t][0] * x + kPad[t][1] * y;
       if (!((m.taxel[t] - expected).norm() <= 1e-4) || !((m.taxel_normal[t] - n).norm() <= 1e-4)) {
-        f.broken("taxel-pose", module_name(k),
+        f.broken("taxel-pose", d.name(k),
                  fmt::format("taxel {} is {:.4f} mm from its place", t, (m.taxel[t] - expected).norm()));
       }
     }
@@ -155,8 +156,7 @@ void check_taxels_left(const CheckedDesign& d, Findings& f) {
     for (std::size_t t = 0; t < 12; ++t) {
       const double beyond = beyond_cut(m.corner, d.corner_cut, m.taxel[t]);
       if (!(beyond < 0.0))
-        f.broken("taxel-cut", module_name(k),
-                 fmt::format("taxel {} lies {:.3f} mm in a corner that is cut off", t, beyond));
+        f.broken("taxel-cut", d.name(k), fmt::format("taxel {} lies {:.3f} mm in a corner that is cut off", t, beyond));
     }
   }
 }

@@ -34,6 +34,7 @@ class PatchChecker {
 
  private:
   [[nodiscard]] const CheckedDesign::Module& module(int k) const { return d_.modules[static_cast<std::size_t>(k)]; }
+  [[nodiscard]] int number(int k) const { return d_.number(k); }
   void broken(const char* rule, const std::string& text) { f_.broken(rule, patch_name(index_), text); }
 
   void sizes() {
@@ -44,7 +45,8 @@ class PatchChecker {
       broken("patch-node", fmt::format("has node address {}, must be {}", p_.node_address, index_ + 1));
     for (const int m : members_) {
       if (module(m).patch != static_cast<int>(index_))
-        broken("patch-members", fmt::format("lists module {}, which says it belongs to patch {}", m, module(m).patch));
+        broken("patch-members",
+               fmt::format("lists module {}, which says it belongs to patch {}", number(m), module(m).patch));
     }
     islands();
   }
@@ -66,11 +68,11 @@ class PatchChecker {
     for (const int m : p_.modules) {
       const auto& x = module(m);
       if (x.line < 0 || x.line > 3 || x.address < 0 || x.address > 3)
-        broken("address-range", fmt::format("module {}: line {} address {}", m, x.line, x.address));
+        broken("address-range", fmt::format("module {}: line {} address {}", number(m), x.line, x.address));
       const auto [at, is_new] = taken.try_emplace({x.line, x.address}, m);
       if (!is_new)
-        broken("address-unique",
-               fmt::format("modules {} and {} share line {} address {}", at->second, m, x.line, x.address));
+        broken("address-unique", fmt::format("modules {} and {} share line {} address {}", number(at->second),
+                                             number(m), x.line, x.address));
       if (++on_line[x.line] == 5) broken("line-load", fmt::format("line {} has more than 4 modules", x.line));
     }
   }
@@ -78,44 +80,47 @@ class PatchChecker {
   void tree() {
     std::map<int, std::size_t> rank;
     for (std::size_t k = 0; k < p_.modules.size(); ++k) rank[p_.modules[k]] = k;
-    if (!members_.contains(p_.entry)) return broken("entry", fmt::format("its entry {} is not a member", p_.entry));
+    if (!members_.contains(p_.entry))
+      return broken("entry", fmt::format("its entry {} is not a member", number(p_.entry)));
     std::map<int, int> children;
     for (std::size_t k = 0; k < p_.modules.size(); ++k) {
       const int m = p_.modules[k];
       const auto& x = module(m);
       if ((x.parent < 0) != (m == p_.entry))
-        broken("one-entry", fmt::format("module {} has parent {}, the entry is {}", m, x.parent, p_.entry));
+        broken("one-entry",
+               fmt::format("module {} has parent {}, the entry is {}", number(m), number(x.parent), number(p_.entry)));
       if (x.parent < 0) {
-        if (x.depth != 0) broken("depth", fmt::format("entry {} states depth {}", m, x.depth));
+        if (x.depth != 0) broken("depth", fmt::format("entry {} states depth {}", number(m), x.depth));
         continue;
       }
       if (!members_.contains(x.parent)) {
-        broken("parent", fmt::format("module {} hangs on {}, which is not in the patch", m, x.parent));
+        broken("parent", fmt::format("module {} hangs on {}, which is not in the patch", number(m), number(x.parent)));
         continue;
       }
       ++children[x.parent];
       if (rank[x.parent] >= k)
-        broken("parent-first", fmt::format("module {} is listed before its parent {}", m, x.parent));
+        broken("parent-first", fmt::format("module {} is listed before its parent {}", number(m), number(x.parent)));
       else if (x.depth != module(x.parent).depth + 1)
-        broken("depth", fmt::format("module {} states depth {}, its parent {}", m, x.depth, module(x.parent).depth));
+        broken("depth",
+               fmt::format("module {} states depth {}, its parent {}", number(m), x.depth, module(x.parent).depth));
       check_input_side(m, x);
     }
     if (children[p_.entry] > 2)
-      broken("entry-degree", fmt::format("entry {} has {} children, two ports are left beside the cable", p_.entry,
-                                         children[p_.entry]));
+      broken("entry-degree", fmt::format("entry {} has {} children, two ports are left beside the cable",
+                                         number(p_.entry), children[p_.entry]));
     for (const auto& [m, n] : children) {
       if (m != p_.entry && n > 2)
-        broken("tree-degree", fmt::format("module {} has {} children on two output ports", m, n));
+        broken("tree-degree", fmt::format("module {} has {} children on two output ports", number(m), n));
     }
   }
 
   // Port A lies at side `rotation` and must face the parent.
   void check_input_side(int m, const CheckedDesign::Module& x) {
     if (x.rotation < 0 || x.rotation > 2)
-      return broken("rotation", fmt::format("module {} has rotation {}", m, x.rotation));
+      return broken("rotation", fmt::format("module {} has rotation {}", number(m), x.rotation));
     if (x.beside[static_cast<std::size_t>(x.rotation)] != x.parent) {
-      broken("rotation",
-             fmt::format("module {}: its input port lies at side {}, its parent {} does not", m, x.rotation, x.parent));
+      broken("rotation", fmt::format("module {}: its input port lies at side {}, its parent {} does not", number(m),
+                                     x.rotation, number(x.parent)));
     }
   }
 
@@ -129,18 +134,20 @@ class PatchChecker {
         const bool in_tree = module(m).parent == n || module(n).parent == m;
         if (in_tree == cut.contains({m, n})) {
           const char* const fault = in_tree ? "cut but carries the tree" : "neither cut nor used";
-          broken("joint-use", fmt::format("joint {}–{} is {}", m, n, fault));
+          broken("joint-use", fmt::format("joint {}–{} is {}", number(m), number(n), fault));
         }
         cut.erase({m, n});
       }
     }
-    for (const auto& [a, b] : cut) broken("joint-use", fmt::format("cut joint {}–{} does not exist", a, b));
+    for (const auto& [a, b] : cut)
+      broken("joint-use", fmt::format("cut joint {}–{} does not exist", number(a), number(b)));
     const auto& e = module(p_.entry);
     if (e.rotation < 0 || e.rotation > 2)
-      return broken("rotation", fmt::format("entry {} has rotation {}", p_.entry, e.rotation));
+      return broken("rotation", fmt::format("entry {} has rotation {}", number(p_.entry), e.rotation));
     const int behind_cable = e.beside[static_cast<std::size_t>(e.rotation)];
     if (behind_cable >= 0 && members_.contains(behind_cable) && module(behind_cable).parent == p_.entry) {
-      broken("entry-cable", fmt::format("the cable enters module {} where module {} hangs", p_.entry, behind_cable));
+      broken("entry-cable",
+             fmt::format("the cable enters module {} where module {} hangs", number(p_.entry), number(behind_cable)));
     }
   }
 
@@ -148,14 +155,15 @@ class PatchChecker {
   void second_entry() {
     if (p_.second_entry < 0) return;
     if (!members_.contains(p_.second_entry))
-      return broken("second-entry", fmt::format("second entry {} is not in the patch", p_.second_entry));
+      return broken("second-entry", fmt::format("second entry {} is not in the patch", number(p_.second_entry)));
     const int beyond = module(p_.second_entry).beside[static_cast<std::size_t>(p_.second_entry_side)];
     if (beyond >= 0 && members_.contains(beyond)) {
-      broken("second-entry",
-             fmt::format("the second cable enters module {} where module {} is joined", p_.second_entry, beyond));
+      broken("second-entry", fmt::format("the second cable enters module {} where module {} is joined",
+                                         number(p_.second_entry), number(beyond)));
     }
     if (p_.second_entry == p_.entry && p_.second_entry_side == module(p_.entry).rotation) {
-      broken("second-entry", fmt::format("both cables enter module {} at side {}", p_.entry, p_.second_entry_side));
+      broken("second-entry",
+             fmt::format("both cables enter module {} at side {}", number(p_.entry), p_.second_entry_side));
     }
   }
 
@@ -195,8 +203,8 @@ class PatchChecker {
       }
       volts[m] = (parent < 0 ? kController_v : volts[parent]) - ohm * behind_a[m];
       if (volts[m] < kNeeded_v)
-        broken("supply", fmt::format("module {} has {:.2f} V, needs {:.2f}; feed the patch at both ends", m, volts[m],
-                                     kNeeded_v));
+        broken("supply", fmt::format("module {} has {:.2f} V, needs {:.2f}; feed the patch at both ends", number(m),
+                                     volts[m], kNeeded_v));
     }
   }
 
@@ -253,7 +261,7 @@ void check_patches(const CheckedDesign& design, Findings& findings) {
   }
   for (std::size_t k = 0; k < owners.size(); ++k) {
     if (owners[k] != 1)
-      findings.broken("every-module-wired", module_name(k), fmt::format("belongs to {} patches", owners[k]));
+      findings.broken("every-module-wired", design.name(k), fmt::format("belongs to {} patches", owners[k]));
   }
   if (static_cast<int>(design.patches.size()) < design.patches_lower_bound) {
     findings.broken(

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <string_view>
 #include <vector>
@@ -96,15 +97,36 @@ void read_side(const json& j, CheckedDesign& d) {
   }
 }
 
-CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
+// The file names modules by their numbers. Where one number stands twice, the rule module-number reports it, and the
+// first of both is meant.
+class ModuleIndex {
+ public:
+  explicit ModuleIndex(const json& modules) {
+    for (const json& m : modules) index_.emplace(integer(m.at("id")), next_++);
+  }
+  [[nodiscard]] int of(const json& number, const char* what) const {
+    const auto found = index_.find(integer(number));
+    if (found == index_.end()) throw InputError(fmt::format("{} {} is no module of the design", what, shown(number)));
+    return found->second;
+  }
+  [[nodiscard]] int of_or_none(const json& number, const char* what) const {
+    return integer(number) == -1 ? -1 : of(number, what);
+  }
+
+ private:
+  std::map<int, int> index_;
+  int next_ = 0;
+};
+
+CheckedDesign::Module read_module(const json& j, const ModuleIndex& index, bool with_lift) {
   CheckedDesign::Module m{};
+  m.number = integer(j.at("id"));
   m.island = integer(j.at("island"));
   m.i = bounded(integer(j.at("i")), -1'000'000, 1'000'000, "lattice coordinate");
   m.j = bounded(integer(j.at("j")), -1'000'000, 1'000'000, "lattice coordinate");
   m.up = j.at("up").get<bool>();
   for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(list_of(j.at("corners"), 3)[k]);
-  m.neighbour = three_ints(j.at("neighbours"));
-  for (const int v : m.neighbour) bounded(v, -1, n - 1, "neighbour");
+  for (std::size_t k = 0; k < 3; ++k) m.neighbour[k] = index.of_or_none(list_of(j.at("neighbours"), 3)[k], "neighbour");
   m.beside = m.neighbour;
   m.edge_error = number(j.at("edge_error_mm"));
   m.center_gap = number(j.at("center_gap_mm"));
@@ -119,7 +141,7 @@ CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   m.line = integer(j.at("line"));
   m.address = integer(j.at("address"));
   m.rotation = integer(j.at("rotation"));
-  m.parent = bounded(integer(j.at("parent")), -1, n - 1, "parent");
+  m.parent = index.of_or_none(j.at("parent"), "parent");
   m.depth = integer(j.at("depth"));
   for (std::size_t t = 0; t < 12; ++t) {
     const json& taxel = list_of(j.at("taxels"), 12)[t];
@@ -150,19 +172,19 @@ CheckedDesign::Piece read_piece(const json& j, int n_faces) {
   return p;
 }
 
-CheckedDesign::Patch read_patch(const json& j, int n) {
+CheckedDesign::Patch read_patch(const json& j, const ModuleIndex& index) {
   CheckedDesign::Patch p{};
   p.node_address = integer(j.at("node_address"));
-  p.entry = bounded(integer(j.at("entry")), 0, n - 1, "entry");
-  p.second_entry = bounded(integer(j.at("second_entry")), -1, n - 1, "second_entry");
+  p.entry = index.of(j.at("entry"), "entry");
+  p.second_entry = index.of_or_none(j.at("second_entry"), "second_entry");
   p.second_entry_side = bounded(integer(j.at("second_entry_side")), p.second_entry < 0 ? -1 : 0,
                                 p.second_entry < 0 ? -1 : 2, "second_entry_side");
   p.line_hops = integer(j.at("line_hops"));
   p.max_depth = integer(j.at("max_depth"));
-  p.modules = all(j.at("modules"), [&](const json& m) { return bounded(integer(m), 0, n - 1, "module of a patch"); });
+  p.modules = all(j.at("modules"), [&](const json& m) { return index.of(m, "module of a patch"); });
   p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
     list_of(c, 2);
-    return std::array{bounded(integer(c[0]), 0, n - 1, "cut joint"), bounded(integer(c[1]), 0, n - 1, "cut joint")};
+    return std::array{index.of(c[0], "cut joint"), index.of(c[1], "cut joint")};
   });
   return p;
 }
@@ -221,13 +243,12 @@ void read_regions(const json& j, CheckedDesign& d) {
     d.modules[k].keep_out = number(j.at("modules").at(k).at("keep_out_mm"));
 }
 
-void read_jumpers(const json& list, CheckedDesign& d) {
-  const int n = static_cast<int>(d.modules.size());
+void read_jumpers(const json& list, const ModuleIndex& index, CheckedDesign& d) {
   for (const json& j : list) {
     CheckedDesign::Jumper jumper{
         j.at("kind").get<std::string>(), {}, {}, number(j.at("length_mm")), number(j.at("fold_rad"))};
     for (std::size_t k = 0; k < 2; ++k) {
-      jumper.module[k] = bounded(integer(list_of(j.at("modules"), 2)[k]), 0, n - 1, "module of a jumper");
+      jumper.module[k] = index.of(list_of(j.at("modules"), 2)[k], "module of a jumper");
       jumper.side[k] = bounded(integer(list_of(j.at("sides"), 2)[k]), 0, 2, "side of a jumper");
     }
     for (std::size_t k = 0; k < 2; ++k) {
@@ -322,19 +343,17 @@ CheckedDesign read_all(const json& j) {
   d.islands = integer(j.at("islands"));
   d.method = j.at("method").get<std::string>();
   d.design_id = hex_id(j.at("design_id").get<std::string>());
-  const int n = static_cast<int>(j.at("modules").size());
+  const ModuleIndex index(j.at("modules"));
   for (const json& m : j.at("modules"))
-    at_place("module", d.modules.size(), [&] {
-      bounded(integer(m.at("id")), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
-      d.modules.push_back(read_module(m, n, with_lift));
-    });
-  if (with_jumpers) read_jumpers(j.at("jumpers"), d);
+    at_place("module", d.modules.size(), [&] { d.modules.push_back(read_module(m, index, with_lift)); });
+  d.next_module = j.contains("next_module") ? bounded(integer(j["next_module"]), 0, 65'536, "next_module") : -1;
+  if (with_jumpers) read_jumpers(j.at("jumpers"), index, d);
   if (j.contains("regions")) read_regions(j, d);
   if (j.contains("kinds")) read_kinds(j, d);
   for (const json& p : j.at("pieces"))
     at_place("piece", d.pieces.size(), [&] { d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size()))); });
   for (const json& p : j.at("patches"))
-    at_place("patch", d.patches.size(), [&] { d.patches.push_back(read_patch(p, n)); });
+    at_place("patch", d.patches.size(), [&] { d.patches.push_back(read_patch(p, index)); });
   read_report(j.at("report"), d);
   if (with_jumpers) d.jumpers_lower_bound = integer(j.at("report").at("jumpers_lower_bound"));
   if (with_lift) read_side_maxima(j.at("report"), d);
@@ -361,7 +380,7 @@ void require_bounded(const json& j, const std::string& key, double bound) {
 }
 
 // A key that no reader knows would change nothing, whatever its author meant by it.
-constexpr std::array<std::string_view, 134> kKnownKeys{"above_mm",
+constexpr std::array<std::string_view, 135> kKnownKeys{"above_mm",
                                                        "address",
                                                        "alternatives",
                                                        "area_cm2",
@@ -442,6 +461,7 @@ constexpr std::array<std::string_view, 134> kKnownKeys{"above_mm",
                                                        "modules",
                                                        "name",
                                                        "neighbours",
+                                                       "next_module",
                                                        "node_address",
                                                        "normal",
                                                        "obstacle",

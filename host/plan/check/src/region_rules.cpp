@@ -200,7 +200,7 @@ void check_free(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f
       const double into = reach_into(area, surface, module_outline(d.modules[k].corner, d.corner_cut));
       reach[k] = std::max(reach[k], into);
       if (!(into <= d.limits.overrun)) {
-        f.broken("keep-out", module_name(k),
+        f.broken("keep-out", d.name(k),
                  fmt::format("reaches {:.3f} mm into region \"{}\", which must stay free, limit {} mm", into,
                              region.name, d.limits.overrun));
       }
@@ -208,7 +208,7 @@ void check_free(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f
   }
   for (std::size_t k = 0; k < reach.size(); ++k) {
     if (!(std::abs(reach[k] - d.modules[k].keep_out) <= kStatedReach_mm + 0.1 * reach[k])) {
-      f.broken("keep-out", module_name(k),
+      f.broken("keep-out", d.name(k),
                fmt::format("stated {:.3f} mm, measured {:.3f} mm", d.modules[k].keep_out, reach[k]));
     }
   }
@@ -276,8 +276,9 @@ void check_entries(const CheckedDesign& d, const SurfaceIndex& surface, Findings
     const double outside = places.outside(module, side);
     if (!(outside > kEntrySlack_mm)) return;
     if (elsewhere.empty() || elsewhere.back() != static_cast<int>(patch)) elsewhere.push_back(static_cast<int>(patch));
-    f.broken("entry-place", fmt::format("patch {}", patch),
-             fmt::format("its cable enters module {} {:.1f} mm outside of every entry region", module, outside));
+    f.broken(
+        "entry-place", fmt::format("patch {}", patch),
+        fmt::format("its cable enters module {} {:.1f} mm outside of every entry region", d.number(module), outside));
   };
   for (std::size_t p = 0; p < d.patches.size(); ++p) {
     const auto& patch = d.patches[p];

@@ -213,7 +213,7 @@ void check_inner(const CheckedDesign& d, const Part& part, Findings& f) {
   }
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (!views[k].looks_inner() || is_in_recess(under[k], under, views)) continue;
-    f.broken("inner-side", module_name(k),
+    f.broken("inner-side", d.name(k),
              fmt::format("sees {:.0f} % of its half sphere, the other side of the same wall {:.0f} %",
                          100.0 * views[k].here, 100.0 * views[k].there));
   }
@@ -244,7 +244,7 @@ void check_backs(const CheckedDesign& d, const Part& part, Findings& f) {
   for (std::size_t a = 0; a < d.modules.size(); ++a) {
     for (std::size_t b = a + 1; b < d.modules.size(); ++b) {
       if (back_to_back(d.modules[a].corner, d.modules[b].corner, part))
-        f.broken("back-to-back", module_name(a), fmt::format("lies back to back with {}", module_name(b)));
+        f.broken("back-to-back", d.name(a), fmt::format("lies back to back with {}", d.name(b)));
     }
   }
 }

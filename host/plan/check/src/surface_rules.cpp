@@ -16,18 +16,20 @@ constexpr double kStated_mm = 0.05;
 constexpr double kStatedHeight_mm = 0.1;
 constexpr double kStep_mm = 0.5;  // Lift and depth are measured in these steps along the sides.
 
-void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
-  if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
+void within_limit(const CheckedDesign& d, Findings& f, const char* rule, std::size_t module, double measured,
+                  double limit) {
+  if (!(measured <= limit)) f.broken(rule, d.name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
 }
 
-void as_stated(Findings& f, const char* rule, std::size_t module, double measured, double stated) {
+void as_stated(const CheckedDesign& d, Findings& f, const char* rule, std::size_t module, double measured,
+               double stated) {
   if (!(std::abs(measured - stated) <= kStated_mm))
-    f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
+    f.broken(rule, d.name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
 }
 
 // Computes the turn of the normal between the middle and a corner; the radius is the distance divided by that.
-void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceIndex& surface, const P3& normal,
-                Findings& f) {
+void check_bend(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, const P3& normal, Findings& f) {
+  const CheckedDesign::Module& m = d.modules[k];
   double turn = 0.0;
   for (const P3& corner : m.corner) {
     const P3 there = surface.closest(corner).normal;
@@ -35,7 +37,7 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
   }
   const double stated = m.bend_radius > 0.0 ? (m.corner[0] - centroid(m.corner)).norm() / m.bend_radius : 0.0;
   if (!(std::abs(turn - stated) <= 1e-3)) {
-    f.broken("bend-radius", module_name(k),
+    f.broken("bend-radius", d.name(k),
              fmt::format("states {:.1f} mm, a turn of {:.4f} rad; measured {:.4f} rad", m.bend_radius, stated, turn));
   }
 }
@@ -44,9 +46,9 @@ void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& su
   const auto& m = d.modules[k];
   const Outline3 outline = module_outline(m.corner, d.corner_cut);
   double measured = overrun_of(outline, surface, kPast_mm).mm;
-  within_limit(f, "overrun", k, measured, d.limits.overrun);
+  within_limit(d, f, "overrun", k, measured, d.limits.overrun);
   if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(outline, surface, -kPast_mm).mm);
-  as_stated(f, "overrun", k, measured, m.overrun);
+  as_stated(d, f, "overrun", k, measured, m.overrun);
 }
 
 // Returns the least and the greatest height of the sides over the surface, along its normal.
@@ -69,9 +71,9 @@ void check_sides(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surf
   const auto& m = d.modules[k];
   const auto [low, high] = heights_of_sides(module_outline(m.corner, d.corner_cut), surface);
   const auto check = [&](const char* rule, double measured, double stated, double limit) {
-    within_limit(f, rule, k, measured, limit);
+    within_limit(d, f, rule, k, measured, limit);
     if (!(std::abs(measured - stated) <= kStatedHeight_mm))
-      f.broken(rule, module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
+      f.broken(rule, d.name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
   };
   check("edge-depth", -low, m.edge_depth, d.limits.depth);
   if (std::isfinite(d.limits.lift)) check("edge-lift", high, m.edge_lift, d.limits.lift);
@@ -93,19 +95,19 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
     if (!has_size_of_module(m)) {
-      f.broken("overrun", module_name(k), "it has not the size of a module, so it is not measured against the surface");
+      f.broken("overrun", d.name(k), "it has not the size of a module, so it is not measured against the surface");
       continue;
     }
     const P3 c = centroid(m.corner);
     const auto hit = surface.closest(c);
     const double gap = (hit.point - c).norm();
-    within_limit(f, "center-gap", k, gap, d.limits.center_gap);
-    as_stated(f, "center-gap", k, gap, m.center_gap);
+    within_limit(d, f, "center-gap", k, gap, d.limits.center_gap);
+    as_stated(d, f, "center-gap", k, gap, m.center_gap);
     const double cosine = hit.normal.dot(unit_normal(m.corner));
     if (!(cosine > 0.5))
-      f.broken("outward", module_name(k),
+      f.broken("outward", d.name(k),
                fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
-    check_bend(m, k, surface, hit.normal, f);
+    check_bend(d, k, surface, hit.normal, f);
     check_overrun(d, k, surface, f);
     check_sides(d, k, surface, f);
   }
@@ -157,15 +159,15 @@ void check_overlap(const CheckedDesign& d, Findings& f) {
       worst[a] = std::max(worst[a], depth);
       worst[b] = std::max(worst[b], depth);
       if (!(depth <= d.limits.penetration)) {
-        f.broken("penetration", module_name(a),
-                 fmt::format("overlaps module {} by {:.3f} mm, limit {} mm", b, depth, d.limits.penetration));
+        f.broken("penetration", d.name(a),
+                 fmt::format("overlaps {} by {:.3f} mm, limit {} mm", d.name(b), depth, d.limits.penetration));
       }
       if (cross_in_space(d.modules[a].corner, d.modules[b].corner, d.corner_cut, d.limits.penetration)) {
-        f.broken("pierced", module_name(a), fmt::format("passes through module {}", b));
+        f.broken("pierced", d.name(a), "passes through " + d.name(b));
       }
     }
   }
-  for (std::size_t k = 0; k < worst.size(); ++k) as_stated(f, "penetration", k, worst[k], d.modules[k].penetration);
+  for (std::size_t k = 0; k < worst.size(); ++k) as_stated(d, f, "penetration", k, worst[k], d.modules[k].penetration);
 }
 
 }  // namespace

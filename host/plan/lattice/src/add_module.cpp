@@ -11,6 +11,7 @@
 #include "net.hpp"
 #include "overlap.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::lattice {
@@ -53,8 +54,9 @@ class ModulePlacer {
       : surface_(surface), limits_(limits), regions_(regions), layout_(layout), beside_(id), side_(side) {
     const PlacedModule& m = layout.modules.at(at(id));
     if (m.neighbour.at(at(side)) >= 0) {
-      throw InputError(
-          fmt::format("module {} has no free side {}: module {} is joined there", id, side, m.neighbour[at(side)]));
+      throw InputError(fmt::format("module {} has no free side {}: module {} is joined there",
+                                   design::number_of(layout, id), side,
+                                   design::number_of(layout, m.neighbour[at(side)])));
     }
     const TileSide next = across(m.tile, side);
     tile_ = next.tile;
@@ -100,7 +102,8 @@ class ModulePlacer {
         modules, [&](const PlacedModule& m) { return m.island == modules[at(beside_)].island && m.tile == tile_; });
     if (holder == modules.end()) return;
     throw InputError(fmt::format("side {} of module {} lies at a slit: module {} has the tile across it", side_,
-                                 beside_, holder - modules.begin()));
+                                 design::number_of(layout_, beside_),
+                                 design::number_of(layout_, static_cast<int>(holder - modules.begin()))));
   }
 
   // Finds the third corner by turning the height about the side until it meets the surface.

@@ -99,11 +99,14 @@ bool is_turned(const mesh::Surface& surface, const PlacedModule& m) {
 std::vector<int> remove_modules(ModuleLayout& layout, const std::vector<bool>& gone) {
   std::vector<int> new_id(layout.modules.size(), -1);
   std::vector<PlacedModule> kept;
+  std::vector<int> numbers;
   for (std::size_t k = 0; k < gone.size(); ++k) {
     if (gone[k]) continue;
     new_id[k] = static_cast<int>(kept.size());
     kept.push_back(layout.modules[k]);
+    if (!layout.numbers.empty()) numbers.push_back(layout.numbers[k]);
   }
+  layout.numbers = std::move(numbers);
   for (PlacedModule& m : kept) {
     for (int& n : m.neighbour) n = n < 0 ? -1 : new_id[at(n)];
   }

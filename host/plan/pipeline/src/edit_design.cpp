@@ -4,17 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "choose_layout.hpp"
-#include "keep_numbers.hpp"
 #include "kept_wiring.hpp"
 #include "later_steps.hpp"
 #include "seconds_since.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/lattice/add_module.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/lattice/map_modules.hpp"
@@ -54,11 +57,31 @@ std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, b
   return mark;
 }
 
+// Returns the number of one more module; Design::next_number is set.
+int new_number(design::Design& d) {
+  if (d.next_number > design::kMaxModuleNumber) {
+    throw InputError(
+        fmt::format("The numbers of modules end at {}, and those of modules that are gone are not given again; make "
+                    "the design anew with triskin design",
+                    design::kMaxModuleNumber));
+  }
+  return d.next_number++;
+}
+
+// Gives numbers to the modules behind those that have one.
+void number_new_modules(design::Design& d) {
+  while (d.layout.numbers.size() < d.layout.modules.size()) d.layout.numbers.push_back(new_number(d));
+}
+
 // Returns the module and side beside which a place lies, in a layout whose islands still have their old numbers.
-BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout, const std::vector<int>& new_id) {
+BesideModule resolved(const NewPlace& place, const design::Design& old, const design::ModuleLayout& layout,
+                      const std::vector<int>& new_id) {
   if (const auto* beside = std::get_if<BesideModule>(&place)) {
     const int id = new_id.at(static_cast<std::size_t>(beside->module));
-    if (id < 0) throw InputError(fmt::format("module {} is removed; nothing can be added beside it", beside->module));
+    if (id < 0) {
+      throw InputError(
+          fmt::format("module {} is removed; nothing can be added beside it", design::number_of(old, beside->module)));
+    }
     return {id, beside->side};
   }
   const auto& [island, tile] = std::get<TileOfIsland>(place);
@@ -73,9 +96,9 @@ BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout,
                                tile.i, tile.j, tile.up ? "up" : "down"));
 }
 
-std::string text_of(const NewPlace& place) {
+std::string text_of(const NewPlace& place, const design::Design& old) {
   if (const auto* beside = std::get_if<BesideModule>(&place))
-    return fmt::format("side {} of module {}", beside->side, beside->module);
+    return fmt::format("side {} of module {}", beside->side, design::number_of(old, beside->module));
   const auto& [island, tile] = std::get<TileOfIsland>(place);
   return fmt::format("tile {}/{}/{} of island {}", tile.i, tile.j, tile.up ? "up" : "down", island);
 }
@@ -94,29 +117,30 @@ std::string words_of(const std::string& limit, const std::string& other) {
   return limit + " would be";
 }
 
-// Writes "it would stick out past an edge by 4.90 mm (limit 0.49), …", with modules by their old ids.
-std::string text_of(const std::vector<lattice::BrokenLimit>& broken, const std::vector<int>& new_id) {
+// Writes "it would stick out past an edge by 4.90 mm (limit 0.49), …".
+std::string text_of(const std::vector<lattice::BrokenLimit>& broken, const EditedDesign& result) {
   std::string text;
   for (const lattice::BrokenLimit& b : broken) {
-    const auto old = std::ranges::find(new_id, b.other);
-    const std::string other = b.other < 0           ? ""
-                              : old == new_id.end() ? "a module that was just added"
-                                                    : fmt::format("module {}", old - new_id.begin());
+    const std::string other = b.other < 0 ? ""
+                              : std::ranges::count(result.added, b.other) > 0
+                                  ? "a module that was just added"
+                                  : fmt::format("module {}", design::number_of(result.design, b.other));
     text += fmt::format("{}{} {:.2f} {} (limit {:.2f})", text.empty() ? "" : ", ", words_of(b.limit, other), b.measured,
                         std::string_view(b.limit).ends_with("_rad") ? "rad" : "mm", b.allowed);
   }
   return text;
 }
 
-void add_one(const NewPlace& place, const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
-             EditedDesign& result) {
+void add_one(const NewPlace& place, const design::Design& old, const mesh::Surface& surface,
+             const mesh::SurfaceRegions* regions, EditedDesign& result) {
   design::Design& d = result.design;
-  const BesideModule at = resolved(place, d.layout, result.new_id);
+  const BesideModule at = resolved(place, old, d.layout, result.new_id);
   const auto broken = lattice::add_module(surface, d.limits, regions, d.layout, at.module, at.side);
   if (!broken.empty()) {
     throw InputError(
-        fmt::format("No module fits at {}, even shifted slightly: {}", text_of(place), text_of(broken, result.new_id)));
+        fmt::format("No module fits at {}, even shifted slightly: {}", text_of(place, old), text_of(broken, result)));
   }
+  number_new_modules(d);
   result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
 }
 
@@ -177,6 +201,51 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const mesh::Sur
   return choices;
 }
 
+// Returns, by module of `now`, the module of `old` at the same place, −1 where there is none.
+std::vector<int> modules_at_same_place(const design::ModuleLayout& old, const design::ModuleLayout& now) {
+  const auto place = [](const design::PlacedModule& m) {
+    std::array<double, 9> at{};
+    for (std::size_t k = 0; k < 9; ++k) at[k] = m.corner_mm[k / 3][static_cast<int>(k % 3)];
+    return at;
+  };
+  std::map<std::array<double, 9>, int> id_at;
+  for (std::size_t id = 0; id < old.modules.size(); ++id) id_at.emplace(place(old.modules[id]), static_cast<int>(id));
+  std::vector<int> same;
+  for (const design::PlacedModule& m : now.modules) {
+    const auto found = id_at.find(place(m));
+    same.push_back(found == id_at.end() ? -1 : found->second);
+  }
+  return same;
+}
+
+// Modules that another layout has at the same place keep their numbers. A layout without any of them is a new cover,
+// numbered from 0.
+void take_over_numbers(const design::Design& old, design::Design& taken) {
+  const std::vector<int> same = modules_at_same_place(old.layout, taken.layout);
+  taken.layout.numbers.clear();
+  if (std::ranges::all_of(same, [](int id) { return id < 0; })) {
+    taken.next_number = 0;
+    return;
+  }
+  taken.next_number = design::next_number(old);
+  std::vector<std::pair<int, std::size_t>> order;  // number, module
+  for (std::size_t k = 0; k < same.size(); ++k)
+    order.emplace_back(same[k] < 0 ? new_number(taken) : design::number_of(old, same[k]).value, k);
+  std::ranges::sort(order);
+  std::vector<int> numbers, now(order.size());
+  for (const auto& [number, k] : order) {
+    now[k] = static_cast<int>(numbers.size());
+    numbers.push_back(number);
+  }
+  std::vector<design::PlacedModule> modules;
+  for (const auto& [number, k] : order) {
+    modules.push_back(taken.layout.modules[k]);
+    for (int& n : modules.back().neighbour) n = n < 0 ? -1 : now[static_cast<std::size_t>(n)];
+  }
+  taken.layout.modules = std::move(modules);
+  design::set_numbers(taken.layout, std::move(numbers));
+}
+
 }  // namespace
 
 design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
@@ -192,6 +261,7 @@ design::Design take_alternative(const design::Design& design, int index, const P
   const mesh::Surface surface(taken.surface);
   taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
   taken.taken = index;
+  take_over_numbers(design, taken);
   design::assign_kinds_by_place(taken.kinds, taken.layout);
   finish(taken, surface, regions_of(surface, taken).get(), start, progress);
   return taken;
@@ -206,15 +276,17 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   EditedDesign result{design, {}, {}, {}};
   design::Design& d = result.design;
   const mesh::Surface surface(d.surface);
+  d.next_number = design::next_number(d);
+  d.layout.numbers = design::all_numbers(d.layout);
   result.new_id = lattice::remove_modules(d.layout, gone);
   d.layout.jumpers.clear();
   d.layout.refused.clear();
   d.taken = -1;
   const auto regions = regions_of(surface, d);
-  for (const NewPlace& place : edit.add) add_one(place, surface, regions.get(), result);
+  for (const NewPlace& place : edit.add) add_one(place, design, surface, regions.get(), result);
   if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
   give_kinds(d, d.layout.modules.size() - result.added.size());
-  keep_numbers(d.layout, result.new_id, result.added);
+  design::set_numbers(d.layout, std::move(d.layout.numbers));
   lattice::number_islands(d.layout);
   lattice::measure(surface, d.layout, regions.get());
   result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);
@@ -231,7 +303,9 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   design::Design& d = result.design;
   const mesh::Surface surface(d.surface);
   const auto regions = regions_of(surface, d);
+  d.next_number = design::next_number(d);
   design::ModuleLayout fixed = d.layout;
+  fixed.numbers = design::all_numbers(d.layout);
   result.new_id = lattice::remove_modules(fixed, searched);
   d.layout.jumpers.clear();
   std::vector<WiredLayout> choices =
@@ -239,6 +313,7 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   const auto best = std::ranges::max_element(choices, std::less{}, &WiredLayout::value);
   const std::size_t count = best->layout.modules.size();
   d.alternatives = front_of(choices);
+  for (design::Alternative& a : d.alternatives) a.layout.numbers.clear();  // They get theirs when they are taken.
   const auto same = std::ranges::find(d.alternatives, count, [](const auto& a) { return a.layout.modules.size(); });
   d.taken = same == d.alternatives.end() ? -1 : static_cast<int>(same - d.alternatives.begin());
   if (best == choices.begin()) {
@@ -248,8 +323,12 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   }
   d.layout = best->layout;
   d.layout.jumpers.clear();
-  if (best != choices.begin()) give_kinds(d, fixed.modules.size());
-  keep_numbers(d.layout, result.new_id, result.added);
+  if (best != choices.begin()) {
+    give_kinds(d, fixed.modules.size());
+    d.layout.numbers = fixed.numbers;
+    number_new_modules(d);
+    design::set_numbers(d.layout, std::move(d.layout.numbers));
+  }
   lattice::number_islands(d.layout);
   lattice::measure(surface, d.layout, regions.get());
   result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);

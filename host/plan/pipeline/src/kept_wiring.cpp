@@ -78,6 +78,7 @@ class PatchKeeper {
   [[nodiscard]] design::Patch renamed_patch(design::Patch patch) const {
     const auto rename = [&](int& node) { node = node < 0 ? node : new_id_[at(node)]; };
     rename(patch.entry);
+    rename(patch.second_entry);
     for (design::RoutedModule& m : patch.modules) {
       rename(m.node);
       rename(m.parent);

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "keep_numbers.hpp"
 #include "kept_wiring.hpp"
 #include "triskin/base/index.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "wire_design.hpp"
 
@@ -24,6 +24,8 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
   const mesh::Surface surface(d.surface);
   const auto regions = regions_of(surface, d);
   d.layout = old.layout;
+  d.layout.numbers = design::all_numbers(old.layout);
+  d.next_number = design::next_number(old);
   d.layout.jumpers.clear();
   d.layout.refused.clear();
   std::vector<bool> gone;
@@ -32,6 +34,7 @@ std::vector<int> take_over(const design::Design& old, design::Design& d) {
     gone.push_back(!keeps_limits(m, d.limits));
   }
   std::vector<int> new_id = lattice::remove_modules(d.layout, gone);
+  design::set_numbers(d.layout, std::move(d.layout.numbers));
   lattice::number_islands(d.layout);
   return new_id;
 }
@@ -53,7 +56,6 @@ RevisedDesign revise_design(const design::Design& old, design::Design part, cons
   revision.added = std::move(grown.added);
   design::Design& d = grown.design;
   d.layout.jumpers.clear();
-  keep_numbers(d.layout, revision.new_id, revision.added);
   const double seconds = d.report.seconds;
   const mesh::Surface surface(d.surface);
   revision.new_patch = wire_around(old, d, surface, regions_of(surface, d).get(), revision.new_id, progress);

@@ -56,8 +56,11 @@ class PatchAnalysis {
     }
   }
 
-  void plan() {
+  // A patch that is kept has its second cable already, or none, and the table of its controller says so: it stays
+  // where it still has a place.
+  void plan(bool is_kept) {
     weak_points();
+    if (is_kept && options_.second_entry && second_entry_has_place()) return;
     patch_.second_entry = patch_.second_entry_side = -1;
     if (options_.second_entry) choose_second_entry();
   }
@@ -124,6 +127,18 @@ class PatchAnalysis {
       patch_.second_entry_border = border;
       patch_.second_entry_saves = saves;
     }
+  }
+
+  // The patch has the joints that it had; what lies beyond them can have changed.
+  [[nodiscard]] bool second_entry_has_place() {
+    if (patch_.second_entry < 0) return true;
+    const int v = index(patch_.second_entry), side = patch_.second_entry_side;
+    patch_.second_entry_border = is_border(graph_, patch_.second_entry, side);
+    patch_.second_entry_saves = total_reached(1U << entry_ | 1U << v) - total_reached(1U << entry_);
+    if (patch_.second_entry_border) return true;
+    const int across = graph_.nodes[at(patch_.second_entry)].neighbour[at(side)];
+    return options_.second_entry_at_seam && across >= 0 && owner_.patch[across] != owner_.patch[patch_.entry] &&
+           !plugs(patches_[at(owner_.patch[across])], across, patch_.second_entry);
   }
 
   // Returns a side without a joint of this patch, best on the border; otherwise at the seam to another patch. −1 if
@@ -245,15 +260,17 @@ class PatchAnalysis {
     if (used < options_.lines * options_.addresses) best = std::min(best, {d, v, node});
   }
 
+  // Returns true if a cable of the patch is plugged in at the side of `from` that leads to `to`.
+  [[nodiscard]] bool plugs(const Patch& p, int from, int to) const {
+    const auto& sides = graph_.nodes[at(from)].neighbour;
+    return (p.entry == from && sides[at(p.modules[0].rotation)] == to) ||
+           (p.second_entry == from && sides[at(p.second_entry_side)] == to);
+  }
+
   // Returns true if a cable, this patch's or the other's, occupies the joint of v and the node.
   [[nodiscard]] bool cable_between(int v, int node) const {
     const Patch& other = patches_[at(owner_.patch[node])];
     const int mine = g_.node[v];
-    const auto plugs = [&](const Patch& p, int from, int to) {
-      const auto& sides = graph_.nodes[at(from)].neighbour;
-      return (p.entry == from && sides[at(p.modules[0].rotation)] == to) ||
-             (p.second_entry == from && sides[at(p.second_entry_side)] == to);
-    };
     return plugs(other, node, mine) || plugs(patch_, mine, node);
   }
 
@@ -271,7 +288,8 @@ class PatchAnalysis {
 
 }  // namespace
 
-void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, std::vector<Patch>& patches) {
+void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, std::vector<Patch>& patches,
+                      const std::vector<bool>& is_kept) {
   Ownership owner{Numbers(graph.nodes.size(), -1), Numbers(graph.nodes.size(), 0)};
   for (std::size_t p = 0; p < patches.size(); ++p) {
     for (const RoutedModule& m : patches[p].modules) {
@@ -280,7 +298,8 @@ void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, s
     }
   }
   // Every connector is planned before losses are counted, because it occupies a joint that adoption could use.
-  for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).plan();
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    PatchAnalysis(graph, options, patches, owner, patches[p]).plan(p < is_kept.size() && is_kept[p]);
   for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).run();
 }
 

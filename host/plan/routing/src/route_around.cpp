@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "failures.hpp"
 #include "triskin/base/index.hpp"
@@ -105,7 +106,13 @@ RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& 
     const auto& entry = patch.modules.front();
     patch.border_entry = joined.nodes.at(at(entry.node)).border.at(at(entry.rotation));
   }
-  if (options.failure_analysis) analyse_failures(joined, options, result.patches);
+  if (options.failure_analysis) {
+    std::set<int> entries;
+    for (const Patch& patch : kept.patches) entries.insert(patch.entry);
+    std::vector<bool> is_kept;
+    for (const Patch& patch : result.patches) is_kept.push_back(entries.contains(patch.entry));
+    analyse_failures(joined, options, result.patches, is_kept);
+  }
   result.proved = static_cast<int>(result.patches.size()) == result.lower_bound;
   // The bound held for that number of controllers.
   if (result.patches.size() != fewest) result.jumpers_lower_bound = 0;

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "scene_reader.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::hardware {
 namespace {
@@ -83,7 +84,10 @@ Expectation read_expectation(const SceneNames& names, const JsonValue& v) {
   e.from_us = scene_time_us(v["at_s"]);
   if (has(v, "until_s")) e.until_us = scene_time_us(v["until_s"]);
   if (e.until_us && *e.until_us <= e.from_us) v["until_s"].fail("must be later than \"at_s\"");
-  if (has(v, "module")) e.module = names.module(v["module"]);
+  if (has(v, "module")) {
+    e.module = names.module(v["module"]);
+    e.number = design::number_of(names.design, e.module);
+  }
   if (has(v, "taxel")) {
     if (e.module < 0) v["taxel"].fail("needs \"module\"");
     e.taxel = layout::TaxelIndex{v["taxel"].integer(0, 11)};

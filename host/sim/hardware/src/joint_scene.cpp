@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 
 namespace triskin::hardware {
 namespace {
@@ -154,7 +155,9 @@ void add_hardware(Scene& joint, const SimulatedCover& c, std::optional<std::uint
   std::vector<ControllerLevel> levels = c.scene == nullptr ? std::vector<ControllerLevel>{} : c.scene->levels;
   levels.resize(c.design->patches.size(), ControllerLevel::kFirmware);
   joint.levels.insert(joint.levels.end(), levels.begin(), levels.end());
-  for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m) joint.module_seeds.push_back(hash_of(c.name, m));
+  for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m)
+    joint.module_seeds.push_back(
+        hash_of(c.name, static_cast<std::size_t>(design::number_of(*c.design, static_cast<int>(m)).value)));
 }
 
 }  // namespace
@@ -171,6 +174,7 @@ JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRa
   }
   design::SideBySide side_by_side = design::side_by_side(placed);
   joint.scene.design = std::move(side_by_side.design);
+  joint.scene.design.layout.numbers.clear();  // Covers have equal numbers, and tables of this bus must be told apart.
   joint.offsets = std::move(side_by_side.offsets);
   joint.scene.effects.bus_bit_rate = rates.nominal;
   joint.scene.effects.bus_data_bit_rate = rates.data;

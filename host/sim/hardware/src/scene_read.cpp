@@ -14,6 +14,7 @@
 #include "scene_reader.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/design/file_head.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/hardware/robot_scene.hpp"
 
 namespace triskin::hardware {
@@ -198,7 +199,11 @@ void read_clocks_of(const JsonValue& v, const PartNames& names, RobotScene& scen
 
 layout::ModuleId SceneNames::module(const JsonValue& v) const {
   if (design.layout.modules.empty()) v.fail("the design has none");
-  return layout::ModuleId{v.integer(0, static_cast<int>(design.layout.modules.size()) - 1)};
+  if (design.layout.numbers.empty())
+    return layout::ModuleId{v.integer(0, static_cast<int>(design.layout.modules.size()) - 1)};
+  const layout::ModuleId module = design::module_with(design, {v.integer(0, design::kMaxModuleNumber)});
+  if (module < 0) v.fail("is no module of the design; it has " + design::ranges_text(design.layout.numbers));
+  return module;
 }
 
 layout::PatchIndex SceneNames::patch(const JsonValue& v) const {

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "triskin/base/error.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/recording/recorded_skin.hpp"
 #include "triskin/recording/recording.hpp"
@@ -110,7 +111,7 @@ namespace {
 nlohmann::json region_of(const design::Design& design, layout::ModuleId module, double weight) {
   constexpr double kRadius_mm = 2.0 * design::kHeight_mm / 3.0;  // The centre of a module is this far from its corners.
   const design::Vec3 at = hardware::center_of(design, module);
-  return {{"name", fmt::format("touched {}", module)},
+  return {{"name", fmt::format("touched {}", design::number_of(design, module))},
           {"sphere", {{"center_mm", {at.x(), at.y(), at.z()}}, {"radius_mm", kRadius_mm}}},
           {"weight", std::round(weight * 1000.0) / 1000.0}};
 }

@@ -11,6 +11,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/json_fields.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/hardware/skin_place.hpp"
 #include "triskin/mechanics/layer.hpp"
 
@@ -166,16 +167,18 @@ bool is_felt(const hardware::VirtualSkin& hardware, const hardware::Contact& con
 
 struct ContactStream::Answer {
   json frames = json::array(), samples = json::array();
+  std::vector<int> numbers;  // by module
   const design::RestValues* rest = nullptr;
 };
 
 ContactStream::ContactStream(hardware::Scene scene) : answer_(std::make_unique<Answer>()) {
   Answer* answer = answer_.get();
+  answer->numbers = design::all_numbers(scene.design.layout);
   skin_ = std::make_unique<RunningSkin>(
       std::move(scene),
       [answer](const session::ModuleSample& s) {
         if (answer->rest == nullptr) return;
-        answer->samples.push_back({{"module", s.module},
+        answer->samples.push_back({{"module", answer->numbers.at(static_cast<std::size_t>(s.module))},
                                    {"at_s", seconds(s.sampled.link_us)},
                                    {"state", hardware::kModuleStateNames.name(s.sample.state)},
                                    {"change_counts", changes_of(s, *answer->rest)}});

@@ -20,6 +20,7 @@ template <class Tag, std::integral Integer = int>
 class Index {
  public:
   using value_type = Integer;
+  using tag_type = Tag;
 
   /// Makes the index 0.
   constexpr Index() = default;
@@ -59,16 +60,24 @@ template <class Left, class A, class Right, class B>
   requires(!std::same_as<Left, Right>)
 constexpr std::strong_ordering operator<=>(Index<Left, A>, Index<Right, B>) = delete;
 
+/// Tells for an index of modules that nobody may read it: people and files name modules by their numbers
+/// (design::number_of).
+template <class T>
+concept HasNumber = requires { typename T::tag_type::HasNumber; };
+
 /// nlohmann::json finds this function and writes an index as its integer.
 template <class Json, class Tag, class Integer>
-  requires std::constructible_from<Json, Integer>
+  requires std::constructible_from<Json, Integer> && (!HasNumber<Index<Tag, Integer>>)
 constexpr void to_json(Json& json, Index<Tag, Integer> index) {
   json = index.value();
 }
 
 /// Names a module in its design: the index in ModuleLayout::modules. It is neither a row of a table nor a number
 /// through several covers.
-using ModuleId = Index<struct ModuleIdTag>;
+struct ModuleIdTag {
+  struct HasNumber;
+};
+using ModuleId = Index<ModuleIdTag>;
 /// Numbers a module through all covers of a skin, as the library and the page of `triskin view` do.
 using SkinModule = Index<struct SkinModuleTag>;
 /// Numbers a patch in its design: the index in Design::patches, from 0. The patch's controller has a node address.

@@ -15,6 +15,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/design/design_text.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {
@@ -56,6 +57,7 @@ OutputCheck write_checked_design(const std::string& path, design::Design& design
   const auto start = std::chrono::steady_clock::now();
   OutputCheck result;
   std::string text;
+  const bool is_new = design.next_number == 0;  // Labels of a revised design exist already.
   for (int round = 0;; ++round) {
     report(progress, "checking", -1.0, counted(design.layout.modules.size(), "module"));
     text = design::design_text(design);
@@ -76,12 +78,17 @@ OutputCheck write_checked_design(const std::string& path, design::Design& design
     pipeline::LayoutEdit edit;
     for (const auto& [module, rules] : broken) {
       if (rules.size() < most) continue;
-      edit.remove.push_back(module);
+      edit.remove.push_back(design::require_module(design, {module}));
       result.removed.push_back(rules.front());
     }
     if (edit.remove.size() == design.layout.modules.size()) refuse(path, on_violation, violations);
     const double seconds = design.report.seconds;
     design = pipeline::edit_design(design, edit, progress).design;
+    if (is_new) {
+      design.layout.numbers.clear();
+      design.next_number = 0;
+      design.design_id = design::design_id_of(design);
+    }
     design.report.seconds += seconds;
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

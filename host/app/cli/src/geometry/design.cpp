@@ -25,6 +25,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/short_list.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/design/supply.hpp"
 #include "triskin/exports/revision_picture.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -157,7 +158,7 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
     }
     output.say(fmt::format(
         "patch {}: supply {:.2f} V at module {}, the lowest (needed: {:.2f}); pull-ups of {:.0f} … {:.0f} Ω", p,
-        lowest.volts, lowest.module, design::SupplyModel{}.needed_v(), least_ohm, most_ohm));
+        lowest.volts, design::number_of(d, lowest.module), design::SupplyModel{}.needed_v(), least_ohm, most_ohm));
   }
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {}, which deviate by at most {:.3f} mm; measured on all",
@@ -178,17 +179,11 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
 // Reports the modules that stayed, and draws the changes as a picture beside the design.
 void report_revision(const design::Design& old, const design::Design& d, const pipeline::Revision& revision,
                      const std::string& design_file, Output& output) {
-  const auto gone = std::ranges::count(revision.new_id, -1);
-  const auto stay = static_cast<std::ptrdiff_t>(revision.new_id.size()) - gone;
   const std::string picture = design_file + ".changes.svg";
   write_output(picture, exports::revision_svg(old, d, revision.new_id, revision.added));
-  output.result["revision"] = {{"map", revision.new_id}, {"added", revision.added},
-                               {"gone", gone},           {"patches", revision.new_patch},
-                               {"kept", stay},           {"picture", picture}};
-  output.say(fmt::format("{} of {} as they were, {} gone, {} new{}; {} shows what changed", stay,
-                         counted(revision.new_id.size(), "module"), gone, revision.added.size(),
-                         revision.added.empty() ? "" : ": " + short_list(revision.added), picture));
-  output.result["revision"]["renumbered"] = report_labels(revision.new_id, output);
+  output.result["revision"] = {{"patches", revision.new_patch}, {"picture", picture}};
+  report_labels(old, d, output.result["revision"], output);
+  output.say(picture + " shows what changed");
   report_tables(revision.new_patch, d.patches.size(), output);
 }
 

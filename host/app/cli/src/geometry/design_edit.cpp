@@ -15,6 +15,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/base/lower_case.hpp"
 #include "triskin/base/short_list.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {
@@ -55,13 +56,14 @@ pipeline::TileOfIsland tile_of(const std::string& part, std::size_t colon) {
 }
 
 // Parses "MODULE.SIDE" or "ISLAND:I/J/up".
-pipeline::NewPlace place_of(const std::string& part) {
+pipeline::NewPlace place_of(const design::Design& design, const std::string& part) {
   if (const std::size_t colon = part.find(':'); colon != std::string::npos) return tile_of(part, colon);
-  pipeline::BesideModule place;
+  design::ModuleNumber module;
+  int free_side = 0;
   const std::vector<std::string> side = parts_of(part, '.');
-  if (side.size() != 2 || !read_whole(side[0], 0, kMaxId, place.module) || !read_whole(side[1], 0, 2, place.side))
+  if (side.size() != 2 || !read_whole(side[0], 0, kMaxId, module.value) || !read_whole(side[1], 0, 2, free_side))
     refuse("--add", part, kPlaceRemedy);
-  return place;
+  return pipeline::BesideModule{design::require_module(design, module), free_side};
 }
 
 // Parses "x", "y", "z", or "NX,NY,NZ[,D]" with a normal of any length and D in mm along it.
@@ -87,32 +89,26 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
   if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty()) {
-    const auto kept = module_ids("--keep", options.keep);
+    const auto kept = modules_named(design, "--keep", options.keep);
     return pipeline::grow_around(design, {kept.begin(), kept.end()},
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   }
   // Without removed or added modules, only kinds change.
   if (options.remove.empty() && options.add.empty()) return {design, {}, {}, {}};
   pipeline::LayoutEdit edit;
-  const auto removed = module_ids("--remove", options.remove);
+  const auto removed = modules_named(design, "--remove", options.remove);
   edit.remove.assign(removed.begin(), removed.end());
-  for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
+  for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(design, part));
   return pipeline::edit_design(design, edit, progress);
 }
 
 // Which labels and which controllers are as they were.
-void report_changes(const pipeline::EditedDesign& e, const EditOptions& options, Output& output) {
-  const auto removed = std::ranges::count(e.new_id, -1);
-  const std::string stay = counted(static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, "module");
-  output.result["map"] = e.new_id;
-  output.result["added"] = e.added;
-  output.result["removed"] = removed;
+void report_changes(const design::Design& before, const pipeline::EditedDesign& e, const EditOptions& options,
+                    Output& output) {
   output.result["controllers"] = e.new_patch;
-  output.result["renumbered"] = 0;
-  if (!options.mirror.empty()) return output.say(fmt::format("{} mirrored, none renumbered", stay));
-  output.say(fmt::format("{} as they were, {} removed, {} new{}", stay, removed, e.added.size(),
-                         e.added.empty() ? "" : ": " + short_list(e.added)));
-  output.result["renumbered"] = report_labels(e.new_id, output);
+  if (!options.mirror.empty())
+    return output.say(fmt::format("{} mirrored, none renumbered", counted(e.new_id.size(), "module")));
+  report_labels(before, e.design, output.result, output);
   report_tables(e.new_patch, e.design.patches.size(), output);
 }
 
@@ -178,16 +174,19 @@ void report_check(const OutputCheck& check, Output& output) {
                          counted(check.removed.size(), "module"), fmt::join(check.removed, ", ")));
 }
 
-std::size_t report_labels(const std::vector<int>& new_id, Output& output) {
-  std::vector<std::string> relabelled;
-  for (std::size_t id = 0; id < new_id.size(); ++id) {
-    if (new_id[id] >= 0 && new_id[id] != static_cast<int>(id))
-      relabelled.push_back(fmt::format("{} → {}", id, new_id[id]));
-  }
-  if (!relabelled.empty())
-    output.say(fmt::format("new labels for {}: {}; all other labels and printed sheets hold",
-                           counted(relabelled.size(), "module"), fmt::join(relabelled, ", ")));
-  return relabelled.size();
+void report_labels(const design::Design& before, const design::Design& now, nlohmann::json& result, Output& output) {
+  const std::vector<int> old = design::all_numbers(before.layout), all = design::all_numbers(now.layout);
+  std::vector<int> kept, removed, added;
+  std::ranges::set_intersection(old, all, std::back_inserter(kept));
+  std::ranges::set_difference(old, all, std::back_inserter(removed));
+  std::ranges::set_difference(all, old, std::back_inserter(added));
+  result["kept"] = kept.size();
+  result["removed"] = removed;
+  result["added"] = added;
+  output.say(fmt::format("{} of {} as they were, {} removed, {} new", kept.size(), counted(old.size(), "module"),
+                         removed.size(), added.size()));
+  if (!removed.empty()) output.say("labels no longer in use: " + design::ranges_text(removed));
+  if (!added.empty()) output.say("new labels: " + design::ranges_text(added));
 }
 
 void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output) {
@@ -314,7 +313,7 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
   }
   const OutputCheck check = write_checked_design(to, e.design, OnViolation::kRefuse, output.progress());
   report_check(check, output);
-  if (!e.new_id.empty()) report_changes(e, options, output);
+  if (!e.new_id.empty()) report_changes(before, e, options, output);
   const int status = report_design(e.design, output);
   output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
   return check.keeps_all_rules() ? status : 1;

@@ -40,8 +40,9 @@ bool report_regions(const design::Design& design, Output& output);
 /// Reports the number of modules of each kind, unless the design has no kinds.
 void report_kinds(const design::Design& design, Output& output);
 
-/// Says which modules have a new number, and returns how many do. `new_id`: EditedDesign::new_id.
-std::size_t report_labels(const std::vector<int>& new_id, Output& output);
+/// Says how many modules stay and which labels are new or no longer in use, with the keys "kept", "added" and
+/// "removed".
+void report_labels(const design::Design& before, const design::Design& now, nlohmann::json& result, Output& output);
 /// Says which controllers of the new design have the wiring that they had. `new_patch`: EditedDesign::new_patch.
 void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output);
 

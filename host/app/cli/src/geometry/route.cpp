@@ -14,6 +14,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/design/module_list.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/exports/route_picture.hpp"
 #include "triskin/exports/skingui.hpp"
 #include "triskin/routing/jumpers.hpp"
@@ -135,17 +136,18 @@ std::vector<design::Jumper> jumper_places(const std::string& path, double jumper
   design.layout.jumpers.clear();
   design.limits.jumper_mm = jumpers_mm;
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    list.ids.push_back(static_cast<int>(k));
+    list.ids.push_back(design::number_of(design, static_cast<int>(k)).value);
     list.tiles.push_back(design.layout.modules[k].tile);
   }
   list.graph = design::graph_of(design.layout);
   return routing::find_jumpers(mesh::Surface(design.surface), design.layout, design.limits);
 }
 
-nlohmann::json jumpers_json(const std::vector<design::Jumper>& jumpers) {
+nlohmann::json jumpers_json(const std::vector<design::Jumper>& jumpers, const Ids& ids) {
   nlohmann::json result = nlohmann::json::array();
   for (const design::Jumper& j : jumpers)
-    result.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", j.length_mm}});
+    result.push_back(
+        {{"modules", {id_of(ids, j.node[0]), id_of(ids, j.node[1])}}, {"sides", j.side}, {"length_mm", j.length_mm}});
   return result;
 }
 
@@ -211,7 +213,7 @@ void report_jumpers(const Options& options, const Task& task, const routing::Rou
                          apart.lower_bound));
   output.result["patches_without_jumpers"] = apart.patches.size();
   output.result["lower_bound_without_jumpers"] = apart.lower_bound;
-  output.result["jumpers"] = jumpers_json(with.jumpers);
+  output.result["jumpers"] = jumpers_json(with.jumpers, task.layout.list.ids);
   output.result["jumpers_lower_bound"] = with.jumpers_lower_bound;
   output.result["jumper_places"] = task.places.size();
   output.result["price_proved"] = with.price_proved;

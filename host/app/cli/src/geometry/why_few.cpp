@@ -113,7 +113,8 @@ std::string low_coverage_text(const design::Design& d) {
   if (const int holes = holes_of(d); holes > 0)
     reasons.push_back(
         fmt::format("the surface has {} or extra {}", counted(holes, "hole"), agreeing(holes, "edge", "edges")));
-  if (d.layout.islands >= kManyIslands && d.limits.jumper_mm < 2 * design::LayoutLimits{}.jumper_mm)
+  // Jumpers join islands and make no room: where limits or holes leave none, longer ones are no remedy.
+  if (reasons.empty() && d.layout.islands >= kManyIslands && d.limits.jumper_mm < 2 * design::LayoutLimits{}.jumper_mm)
     reasons.push_back(fmt::format("{} {} on {}: longer jumpers (--jumper-mm {:.0f}) may join them",
                                   counted(d.layout.modules.size(), "module"),
                                   agreeing(d.layout.modules.size(), "lies", "lie"), counted(d.layout.islands, "island"),

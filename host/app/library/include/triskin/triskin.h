@@ -45,13 +45,13 @@ typedef struct triskin_options {
 #define TRISKIN_OPTIONS_INIT {sizeof(triskin_options), 0, 0, 0, 0, 10.0}
 
 typedef struct triskin_sample {
-  double time_s;            ///< The sample was taken at this time, s since 1970 by the clock of this computer.
-  double error_s;           ///< time_s is accurate within ± this, s; infinity means that no bound is known yet.
-  uint64_t device_time_us;  ///< The same time by the clock of the module's controller, in µs, is given here.
-  uint32_t number;          ///< The samples of a module that were due are counted from 1.
-  int32_t module;  ///< Modules are numbered from 0, and in a robot through all of its covers; see triskin_covers.
-  uint16_t node;   ///< The module's controller has this address on its bus.
-  uint16_t valid;  ///< Bit t says that value[t] is valid.
+  double time_s;                   ///< The sample was taken at this time, s since 1970 by the clock of this computer.
+  double error_s;                  ///< time_s is accurate within ± this, s; infinity means that no bound is known yet.
+  uint64_t device_time_us;         ///< The same time by the clock of the module's controller, in µs, is given here.
+  uint32_t number;                 ///< The samples of a module that were due are counted from 1.
+  int32_t module;                  ///< index of the module, 0 … triskin_module_count − 1; see triskin_module_numbers
+  uint16_t node;                   ///< The module's controller has this address on its bus.
+  uint16_t valid;                  ///< Bit t says that value[t] is valid.
   uint16_t value[TRISKIN_TAXELS];  ///< The values are converter counts, which fall under pressure.
 } triskin_sample;
 
@@ -85,6 +85,9 @@ TRISKIN_API size_t triskin_module_count(const triskin_skin* skin);
 TRISKIN_API triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n);
 /// Writes the outward unit normal of each taxel, in the layout of triskin_positions_mm.
 TRISKIN_API triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n);
+/// Writes the number of each module, which is on its label and in all files and reports. In a robot, covers have equal
+/// numbers; see triskin_covers. `n` is the number of modules. TRISKIN_BAD_INPUT: `n` is wrong.
+TRISKIN_API triskin_status triskin_module_numbers(const triskin_skin* skin, int32_t* numbers, size_t n);
 /// Writes the patch of each module, or −1; in a robot, patches are numbered through all covers. `n` is the number of
 /// modules. TRISKIN_BAD_INPUT: `n` is wrong.
 TRISKIN_API triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_t n);
@@ -94,8 +97,8 @@ TRISKIN_API size_t triskin_cover_count(const triskin_skin* skin);
 /// Returns the name of cover 0 … triskin_cover_count − 1, valid as long as the skin; empty if there is no such
 /// cover. Never fails.
 TRISKIN_API const char* triskin_cover_name(const triskin_skin* skin, size_t cover);
-/// Writes the cover of each module. The modules of a cover are consecutive, so the number within the cover is the
-/// number minus that of the cover's first module. `n` is the number of modules. TRISKIN_BAD_INPUT: `n` is wrong.
+/// Writes the cover of each module; the modules of a cover are consecutive. `n` is the number of modules.
+/// TRISKIN_BAD_INPUT: `n` is wrong.
 TRISKIN_API triskin_status triskin_covers(const triskin_skin* skin, int32_t* covers, size_t n);
 
 /// Starts to receive samples, which then wait for triskin_read. The library receives them in one thread per bus (on the
@@ -149,7 +152,7 @@ typedef struct triskin_contact {
   double change_counts;   ///< sum over its taxels
   double force_n;         ///< The force in N acts against the normal; it is NaN unless all its taxels are calibrated.
   double area_mm2;        ///< The contact presses this area of skin.
-  int32_t module, taxel;  ///< the strongest
+  int32_t module, taxel;  ///< the strongest; `module` is its index
   int32_t taxels;         ///< how many
   double position_sd_mm;  ///< The standard deviation holds for each direction along the skin.
   double force_sd_n;      ///< The standard deviation is that of force_n.
@@ -183,6 +186,9 @@ TRISKIN_API int triskin_recording_is_simulated(const triskin_recording* recordin
 /// per module); any may be NULL. TRISKIN_BAD_INPUT: `n` is wrong.
 TRISKIN_API triskin_status triskin_recording_geometry(const triskin_recording* recording, double* xyz_mm,
                                                       double* normals, int32_t* patches, size_t n);
+/// Writes the same as triskin_module_numbers.
+TRISKIN_API triskin_status triskin_recording_module_numbers(const triskin_recording* recording, int32_t* numbers,
+                                                            size_t n);
 /// Writes all samples in the order of the file, and by how many counts each taxel was below its rest value then (12 per
 /// sample; may be NULL). `n` is the number of samples. TRISKIN_BAD_INPUT: `n` is wrong.
 TRISKIN_API triskin_status triskin_recording_samples(const triskin_recording* recording, triskin_sample* samples,

@@ -17,7 +17,7 @@ struct IslandPart {
   int island = 0;
   bool operator==(const IslandPart&) const = default;
 };
-/// Selects modules by id; their order does not matter.
+/// Selects modules by their numbers (module_number.hpp), in any order.
 struct ModulePart {
   std::vector<int> modules;
   bool operator==(const ModulePart&) const = default;
@@ -38,8 +38,8 @@ using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 [[nodiscard]] bool holds(const CoverPart& part, const ModuleLayout& layout, int id);
 
 /// Reads a part: {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y,
-/// z]}}, {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file, place for
-/// none or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative
+/// z]}}, {"island": k}, {"modules": [number, …]}; `v` may have other keys beside. Errors: InputError with file, place
+/// for none or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative
 /// numbers of modules. Cost: linear.
 [[nodiscard]] CoverPart read_cover_part(const JsonValue& v);
 /// Writes the object that read_cover_part() reads. Cost: linear.

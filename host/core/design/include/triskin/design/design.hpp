@@ -90,6 +90,9 @@ struct Design {
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;
+  /// Numbers below this one were given to modules that are gone; next_number() (module_number.hpp) is the next free
+  /// one.
+  int next_number = 0;
   std::vector<Patch> patches;
   /// Each patch's controller has its node address here; 0 means that it is on another bus than the current one. If the
   /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot.md), so they are
@@ -133,8 +136,8 @@ struct TaxelPose {
 /// cost.
 [[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
-/// Computes FNV-1a over the modules, jumpers, patches and wiring in file order, then over corner cut and kinds if there
-/// are any. Equal designs have equal ids on every compiler. Cost: O(n).
+/// Computes FNV-1a over the modules, jumpers, patches and wiring in file order, then over corner cut, kinds and numbers
+/// with gaps if there are any. Equal designs have equal ids on every compiler. Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
 /// Reads a design file of version kVersion or kJumperVersion and checks types, ranges and indices; `triskin check`

@@ -39,7 +39,8 @@ struct LayoutLimits {
   return std::min(limits.fold_rad, is_away ? limits.fold_away_rad : limits.fold_towards_rad);
 }
 
-/// Modules on the surface are rigid. The id of a module is its index in ModuleLayout::modules. Its corners are in the
+/// Modules on the surface are rigid. The id of a module is its index in ModuleLayout::modules; what people read is its
+/// number (module_number.hpp). Its corners are in the
 /// order of its tile (tile.hpp), so that side s runs from corner s to corner (s+1) % 3, counter-clockwise seen from
 /// outside.
 struct PlacedModule {
@@ -84,6 +85,8 @@ struct ModuleLayout {
   double corner_cut_mm = 0.0;
   /// Jumpers join islands. PlacedModule::neighbour does not show them; graph_of() and joints_of() do.
   std::vector<Jumper> jumpers;
+  /// The numbers of the modules (module_number.hpp), ascending; empty: 0, 1, 2 … without gaps.
+  std::vector<int> numbers;
 };
 
 }  // namespace triskin::design

@@ -25,8 +25,9 @@ struct SideBySide {
   Design design;  ///< The id belongs to no file; pieces and alternatives are left out.
   std::vector<CoverOffset> offsets;
 };
-/// Joins `covers`, which must outlive the call. The result keeps the node addresses of the covers. Throws InputError
-/// when corner cuts differ. Cost: linear.
+/// Joins `covers`, which must outlive the call. The result keeps the node addresses of the covers and the numbers of
+/// their modules, which several covers have alike: the functions from a number to a module are of no use with it.
+/// Throws InputError when corner cuts differ. Cost: linear.
 [[nodiscard]] SideBySide side_by_side(std::span<const PlacedCover> covers);
 
 }  // namespace triskin::design

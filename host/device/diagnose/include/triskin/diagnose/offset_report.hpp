@@ -25,6 +25,6 @@ inline constexpr NameTable kLatchingNames{
 
 /// Returns a line for the patch, then lines for the taxels that rest outside the middle third of their range: how many
 /// counts are left for pressure, or that they are at its end.
-[[nodiscard]] std::vector<std::string> describe(const session::PatchOffsets& patch);
+[[nodiscard]] std::vector<std::string> describe(const design::Design& design, const session::PatchOffsets& patch);
 
 }  // namespace triskin::diagnose

@@ -70,10 +70,12 @@ inline constexpr std::string_view kMeshFrame = "skin";
 void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id);
 
 /// Encodes a raw frame. The samples must be from one controller, have the same sample number and device times within 30
-/// min, and not be empty. Throws nothing of its own.
-[[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples);
-/// Decodes a raw frame; nullopt if it is malformed.
-[[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message);
+/// min, and not be empty. `numbers` are those of all modules of the design (ModuleLayout::numbers; empty: no gaps), as
+/// for the other messages. Throws nothing of its own.
+[[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples,
+                                                   std::span<const int> numbers = {});
+/// Decodes a raw frame; a module that the design lacks becomes −1. Returns nullopt if it is malformed.
+[[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message, std::span<const int> numbers = {});
 /// Encodes the message with the position of each taxel, lengths in m. Throws std::out_of_range for a patch that names a
 /// module the layout lacks. Cost: linear.
 [[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
@@ -86,7 +88,8 @@ struct Calibration {
 /// Encodes the message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
                                                         std::string_view frame_id = kMeshFrame,
-                                                        const Calibration& calibration = {});
+                                                        const Calibration& calibration = {},
+                                                        std::span<const int> numbers = {});
 
 /// The pose of a frame in its parent is in metres and has a unit quaternion x, y, z, w.
 struct Pose {
@@ -119,6 +122,7 @@ class PointCloud {
   };
   std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // The points are indexed by module.
   std::vector<bool> is_heard_;
+  std::vector<int> numbers_;
   std::size_t heard_ = 0;
 };
 

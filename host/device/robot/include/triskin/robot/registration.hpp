@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
-#include "triskin/design/design.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/index.hpp"
 
 namespace triskin::robot {
 
 /// A touch has the taxel that answered, and the position of the tip in the frame of the robot's link, mm.
 struct Touch {
-  layout::ModuleId module;
+  design::ModuleNumber module;
   layout::TaxelIndex taxel;
   Eigen::Vector3d in_link_mm{0, 0, 0};
 };

@@ -24,18 +24,18 @@ struct RouteChoice {
   layout::ModuleId other = layout::ModuleId::none();
   bool operator==(const RouteChoice&) const = default;
 };
-/// Parses a choice written as "normal", "backup:MODULE" or "backup:MODULE-MODULE" (ids in the design). Throws
-/// InputError.
-[[nodiscard]] RouteChoice parse_route(const std::string& text);
+/// Parses a choice written as "normal", "backup:MODULE" or "backup:MODULE-MODULE", with numbers of modules. Throws
+/// InputError, also for a module that the design lacks.
+[[nodiscard]] RouteChoice parse_route(const std::string& text, const design::Design& design);
 /// Returns true if the failed module, or both modules of the failed joint, belong to `patch`.
 [[nodiscard]] bool concerns(const design::Patch& patch, const RouteChoice& choice);
 
 /// Makes the table for the controller of patch `patch` (0-based), with the node address of design::node_address_of.
 /// After a failure the lost modules are left out, so that rows differ from those of the design's patch. Throws
 /// InputError naming the patch when the design does not fit into a table: no module or more than layout::kMaxModules,
-/// more than layout::kMaxNodes patches, module ids beyond those that a table can name, a line and address used twice, a
-/// parent that is no neighbour or is listed after its child, a failed entry module; std::out_of_range for a patch that
-/// the design lacks.
+/// more than layout::kMaxNodes patches, module numbers beyond those that a table can name, a line and address used
+/// twice, a parent that is no neighbour or is listed after its child, a failed entry module; std::out_of_range for a
+/// patch that the design lacks.
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, layout::PatchIndex patch,
                                           const RouteChoice& choice = {});
 
@@ -45,7 +45,8 @@ struct RouteChoice {
 [[nodiscard]] layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node,
                                                 std::uint32_t crc);
 
-/// Returns the module of a row of a table of `design`: the id without the number of the kind. Constant cost.
+/// Returns the module of a row of a table of `design`, which has its number beside that of the kind; −1 if the design
+/// lacks it. Cost: O(log n).
 [[nodiscard]] layout::ModuleId module_of(const design::Design& design, const layout::ModuleRow& row);
 /// Returns the number of the module's kind; 0 for a design without kinds. The design may lack that kind. Constant cost.
 [[nodiscard]] int kind_of_row(const design::Design& design, const layout::ModuleRow& row);

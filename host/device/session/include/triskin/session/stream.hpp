@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/session/adopted_modules.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
@@ -105,9 +106,11 @@ class Stream {
   [[nodiscard]] bool read_by_another(const Node& node, layout::ModuleId module) const;
   void end(std::uint8_t address, Node& node);
   void wait_for_rest();
+  [[nodiscard]] design::ModuleNumber number_of(const Node& node, layout::ModuleId module) const;
   [[nodiscard]] std::uint64_t silence_us(const Node& node) const;
 
   Bus& bus_;
+  std::vector<std::vector<int>> numbers_;  // by cover, then by module
   OnFrame handler_;
   std::function<void(const std::string&)> say_;
   std::vector<std::string> covers_;

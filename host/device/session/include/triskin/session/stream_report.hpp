@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "triskin/base/format_index.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/index.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/sample_account.hpp"
@@ -17,6 +18,7 @@ struct ModuleCounts {
   SampleCounts counts;
   bool slow = false;  ///< True means that the controller took fewer than 0.9 of the samples that the rate demands.
   layout::CoverIndex cover{};
+  design::ModuleNumber number{};  ///< what people read
   /// Returns true if samples were due and none with data arrived.
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
@@ -29,6 +31,7 @@ struct AdoptedCounts {
   SampleCounts counts;
   bool now = false;  ///< True means that samples still arrive.
   layout::CoverIndex cover{};
+  design::ModuleNumber number{};  ///< what people read
 };
 
 struct ClockState {
@@ -49,8 +52,8 @@ struct StreamReport {
   std::uint64_t lost_bus = 0;  ///< Of total.on_the_way, this part was lost between the controller and this computer.
   /// Of total.on_the_way, this part was lost because this computer discarded it or renewed its lease too late.
   std::uint64_t lost_host = 0;
-  std::vector<layout::ModuleId> never_heard;  ///< These modules sent no sample with data.
-  std::vector<layout::ModuleId> slow;         ///< These modules were sampled less often than the rate demands.
+  std::vector<design::ModuleNumber> never_heard;  ///< These modules sent no sample with data.
+  std::vector<design::ModuleNumber> slow;         ///< These modules were sampled less often than the rate demands.
   /// These patches lost over 1 % of their samples because the bus had no room.
   std::vector<layout::PatchIndex> starved;
   std::vector<layout::PatchIndex> silent;  ///< The controllers of these patches did not answer for a time.

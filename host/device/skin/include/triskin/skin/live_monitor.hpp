@@ -36,6 +36,7 @@ class LiveMonitor {
   /// Converts counts by this calibration from now on.
   void set_calibration(design::SkinCalibration calibration) { calibration_ = std::move(calibration); }
   /// Returns the calibration that converts counts.
+  [[nodiscard]] const design::Design& design() const { return design_; }
   [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
   /// Returns the present contacts, the strongest first (skin_contacts.hpp). Cost: some ms for each contact.
   [[nodiscard]] std::vector<SkinContact> contacts() const;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/module_number.hpp"
 #include "triskin/skin/live_monitor.hpp"
 
 namespace triskin::skin {
@@ -23,6 +24,7 @@ class TaxelTrace {
  private:
   static constexpr std::size_t kMaxSteps = 200;
   layout::ModuleId module_ = layout::ModuleId::none();
+  design::ModuleNumber number_;
   layout::TaxelIndex taxel_ = layout::TaxelIndex::none();
   bool is_held_ = false;
   std::deque<double> counts_;

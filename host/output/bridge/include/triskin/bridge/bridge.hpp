@@ -64,6 +64,7 @@ class Bridge {
   std::string frame_;
   std::uint64_t points_period_ns_;
   recording::Calibration calibration_;
+  std::vector<int> numbers_;  // by module; empty: no gaps
   std::unique_ptr<Publisher> raw_, points_, contacts_, layout_, diagnostics_, transforms_;
   recording::RawFrames frames_;
   recording::PointCloud cloud_;

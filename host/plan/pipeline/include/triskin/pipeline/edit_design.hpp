@@ -36,13 +36,13 @@ struct LayoutEdit {
   std::vector<NewPlace> add;
 };
 
-/// Removes and adds modules; all others stay exactly where they are and keep their ids, unless fewer modules are left
-/// than an id needs: the modules with such ids get free ones. Controllers whose modules and joints stay keep their
-/// wiring; the rest is wired around them. Islands are renumbered by their connections. Alternatives stay, none of them
+/// Removes and adds modules; all others stay exactly where they are and keep their numbers (design/module_number.hpp),
+/// and new ones get numbers that none had before. Controllers whose modules and joints stay keep their wiring; the rest
+/// is wired around them. Islands are renumbered by their connections. Alternatives stay, none of them
 /// is taken. A new module gets its kind by the regions of the design. Errors: InputError for an id, side or island that
 /// does not exist, for a place that is not free or beside no module, and for a module that the limits forbid there,
-/// naming the broken ones; for a design that would have no module. Deterministic for the seed of the design. Cost: as
-/// take_alternative(), and about 0.2 s per new module.
+/// naming the broken ones; for a design that would have no module; where the numbers end. Deterministic for the seed of
+/// the design. Cost: as take_alternative(), and about 0.2 s per new module.
 [[nodiscard]] EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit,
                                        const ProgressSink& progress = {});
 
@@ -53,16 +53,16 @@ struct GrowAroundOptions {
   int threads = 2;             ///< The result depends on this number, 1 … 256.
 };
 
-/// Keeps modules exactly where they are, with ids and wiring as edit_design(), and searches layouts for the rest of the
-/// surface with the price and limits of the design. The layout of highest value is taken, with that of the design among
-/// the candidates, so that the value never falls; the others become alternatives. Errors: InputError for an id that
-/// does not exist and options out of range. Deterministic for seed, threads and iterations unless the time limit cuts
-/// the search short. Cost: time_limit_s.
+/// Keeps modules exactly where they are, with numbers and wiring as edit_design(), and searches layouts for the rest of
+/// the surface with the price and limits of the design. The layout of highest value is taken, with that of the design
+/// among the candidates, so that the value never falls; the others become alternatives. Errors: InputError for an id
+/// that does not exist and options out of range. Deterministic for seed, threads and iterations unless the time limit
+/// cuts the search short. Cost: time_limit_s.
 [[nodiscard]] EditedDesign grow_around(const design::Design& design, const std::vector<int>& kept,
                                        const GrowAroundOptions& options, const ProgressSink& progress = {});
 
 /// Makes the design for the other arm: surface, pieces, modules and alternatives are mirrored, measured and wired anew.
-/// Ids stay. The name gets "_mirrored", or loses it. Deterministic for the seed of the design. Cost: as
+/// Ids and numbers stay. The name gets "_mirrored", or loses it. Deterministic for the seed of the design. Cost: as
 /// take_alternative().
 [[nodiscard]] EditedDesign mirror_design(const design::Design& design, const design::MirrorPlane& plane,
                                          const ProgressSink& progress = {});

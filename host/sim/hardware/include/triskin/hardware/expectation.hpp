@@ -9,6 +9,7 @@
 
 #include "triskin/base/format_index.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/layout/index.hpp"
 #include "triskin/wire/module_state.hpp"
 
@@ -43,6 +44,7 @@ struct Expectation {
   std::string part{};  ///< In a scene of a robot, a part of it; if it is empty, the whole robot.
   layout::ModuleId module = layout::ModuleId::none();     ///< −1 means the whole skin of the part or robot.
   layout::TaxelIndex taxel = layout::TaxelIndex::none();  ///< −1 means all taxels of the module.
+  design::ModuleNumber number{};                          ///< what people read of `module`
   std::uint64_t from_us = 0;
   /// Every sample until then counts; if it is empty, only the first of each module from `from_us` on.
   std::optional<std::uint64_t> until_us{};
