@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the Python module as a wheel (PEP 517), so that `pip install .` works in a virtual environment. It needs what
-docs/build.md names and nothing from the network. The module is for the interpreter it is built with (TRISKIN_PYTHON,
+docs/packages.md names and nothing from the network. The module is for the interpreter it is built with (TRISKIN_PYTHON,
 /usr/bin/python3). With --config-settings=build=FOLDER the module in that build folder is taken as it is."""
 import base64
 import hashlib

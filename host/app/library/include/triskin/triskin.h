@@ -49,7 +49,7 @@ typedef struct triskin_sample {
   double error_s;                  ///< time_s is accurate within ± this, s; infinity means that no bound is known yet.
   uint64_t device_time_us;         ///< The same time by the clock of the module's controller, in µs, is given here.
   uint32_t number;                 ///< The samples of a module that were due are counted from 1.
-  int32_t module;                  ///< index of the module, 0 … triskin_module_count − 1; see triskin_module_numbers
+  int32_t module;                  ///< index, 0 … triskin_module_count − 1; its label: triskin_module_numbers
   uint16_t node;                   ///< The module's controller has this address on its bus.
   uint16_t valid;                  ///< Bit t says that value[t] is valid.
   uint16_t value[TRISKIN_TAXELS];  ///< The values are converter counts, which fall under pressure.
