@@ -99,7 +99,7 @@ TEST_F(Calibrated, a_module_is_calibrated_alone_and_the_others_keep_theirs) {
   EXPECT_EQ(last_of(live)["unit"], "kPa") << "modules 0 and 3 keep what they had";
   const auto refused = run(how + "--weights 200,500,1000 --modules 3,4");
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.messages, HasSubstr("there is no module 4 here; there are 0-3"));
+  EXPECT_THAT(refused.messages, HasSubstr("there is no module 4; the design has 0-3"));
 }
 
 // The bag presses with 30 kPa and the calibration ends at 20.

@@ -72,7 +72,8 @@ TEST(ViewModel, has_findings_at_their_modules_and_covers_by_name) {
 }
 
 TEST(ViewModel, findings_of_a_robot_are_counted_on) {
-  const design::Design d = strip(20, 10);
+  design::Design d = strip(20, 10);
+  for (int k = 0; k < 20; ++k) d.layout.numbers.push_back(k % 10);  // Each cover has its own numbers.
   const std::vector<view::CoverNote> covers{{"arm", 0, 0, 0, 10, 0.0, 0.0}, {"leg", 10, 1, 1, 10, 0.0, 0.0}};
   const auto findings = view::findings_in(
       R"({"covers":[{"cover":"arm","findings":[]},{"cover":"leg","findings":[{"module":3,"patch":0,"text":"t"}]}]})",

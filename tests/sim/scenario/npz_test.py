@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads the taxel list of an export with NumPy. Usage: npz_test.py TRISKIN WRITE_STRIP. Exit status 77: NumPy is not installed."""
+import csv
 import json
 import pathlib
 import subprocess
@@ -23,7 +24,7 @@ with tempfile.TemporaryDirectory() as folder:
         subprocess.run([triskin, "export", design, "--format", form, "-o", file], check=True, stdout=subprocess.DEVNULL)
     arrays = dict(numpy.load(files["npz"]))
     listed = json.loads(files["taxel-list"].read_text())["taxels"]
-    rows = [line.split(",") for line in files["taxels"].read_text().splitlines()[1:]]
+    rows = list(csv.DictReader(files["taxels"].read_text().splitlines()))
 
 assert arrays["position"].shape == (10 * modules, 3), arrays["position"].shape
 assert arrays["normal"].shape == (10 * modules, 3)
@@ -34,7 +35,8 @@ for k, taxel in enumerate(listed):
     assert arrays["link"][k] == taxel["link"]
     assert numpy.array_equal(arrays["position"][k], taxel["position_m"])
 # Other code wrote the table for spreadsheets: millimetres, on the board, 2 mm under the surface.
-places = {(int(r[0]), int(r[1])): numpy.array([float(v) for v in r[5:11]]) for r in rows}
+COLUMNS = ("x_mm", "y_mm", "z_mm", "nx", "ny", "nz")
+places = {(int(r["module"]), int(r["taxel"])): numpy.array([float(r[c]) for c in COLUMNS]) for r in rows}
 for module, taxel, position, normal in zip(arrays["module"], arrays["taxel"], arrays["position"], arrays["normal"]):
     place = places[(module, taxel)]
     assert numpy.allclose(1e3 * position, place[:3] + 2.0 * place[3:], atol=2e-4), (module, taxel)

@@ -32,10 +32,13 @@ struct Ended {};  // The exception is thrown when a person ends the replay.
 class Player {
  public:
   Player(const Options& options, RecordedSkin& skin, LiveDisplay& display)
-      : options_(options), monitor_(skin.design, skin.rest, std::move(skin.calibration)), display_(display) {}
+      : options_(options),
+        design_(skin.design),
+        monitor_(skin.design, skin.rest, std::move(skin.calibration)),
+        display_(display) {}
 
   void take(const recording::ModuleSample& s) {
-    if (static_cast<std::size_t>(s.module) >= modules_) return;
+    if (static_cast<std::size_t>(s.module) >= design_.layout.modules.size()) return;
     if (frames_ == 0) start_us_ = period_us_ = s.link_time_us;
     while (s.link_time_us >= period_us_ + kPeriod_us) show(period_us_ + kPeriod_us);
     monitor_.add({s.module, s.link_time_us, s.sample});
@@ -49,10 +52,12 @@ class Player {
   void show_rest() {
     if (frames_ > 0) show(last_us_);
   }
-  void modules(std::size_t count) { modules_ = count; }
   [[nodiscard]] LiveState state() const {
     LiveState s{time_s(period_us_), frames_, 0, {}};
-    for (const auto& [module, patch] : adopted_) s.adopted.push_back({module, patch, {}, true});
+    for (const auto& [module, patch] : adopted_) {
+      s.adopted.push_back(
+          {.module = module, .patch = patch, .counts = {}, .now = true, .number = design::number_of(design_, module)});
+    }
     return s;
   }
   /// Returns the time of the replay at which something arrived.
@@ -82,11 +87,11 @@ class Player {
   }
 
   const Options& options_;
+  const design::Design& design_;
   skin::LiveMonitor monitor_;
   LiveDisplay& display_;
   // For each adopted module, the map has the patch whose controller reads it.
   std::map<layout::ModuleId, layout::PatchIndex> adopted_;
-  std::size_t modules_ = 0;
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };
 
@@ -117,7 +122,6 @@ int run(const Options& options, Output& output) {
   recording::Summary summary;
   auto display = make_display(design, output);
   Player player(options, recorded, *display);
-  player.modules(design.layout.modules.size());
   try {
     summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });
     player.show_rest();

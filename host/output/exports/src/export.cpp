@@ -11,6 +11,7 @@
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/base/terminal_text.hpp"
 #include "triskin/design/module_number.hpp"
 #include "triskin/design/module_side.hpp"
 #include "triskin/design/outline.hpp"
@@ -149,7 +150,7 @@ std::string taxels_csv(const design::Design& design, std::span<const NamedCover>
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     while (covers.size() > 1 && k >= static_cast<std::size_t>(covers[1].first.module)) covers = covers.subspan(1);
     const auto& [name, first] = covers.front();
-    const std::string cover = csv_field(name);
+    const std::string cover = csv_field(for_terminal(name));  // Tables are also read in a terminal.
     const design::ModuleNumber module = design::number_of(design, static_cast<int>(k));
     const int patch = wiring[k].patch < 0 ? -1 : wiring[k].patch - first.patch;
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);

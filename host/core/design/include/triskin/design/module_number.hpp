@@ -28,8 +28,8 @@ struct ModuleNumber {
 /// The table of a controller has 16 bits for a number.
 inline constexpr int kMaxModuleNumber = 0xFFFF;
 
-/// Returns the number of module `id`; −1 gives −1. Throws std::out_of_range for an id beyond the numbers. Constant
-/// cost.
+/// Returns the number of module `id`, which is one of this layout, or −1 for −1.
+/// Constant cost.
 [[nodiscard]] ModuleNumber number_of(const ModuleLayout& layout, int id);
 [[nodiscard]] ModuleNumber number_of(const Design& design, int id);
 
@@ -40,7 +40,7 @@ inline constexpr int kMaxModuleNumber = 0xFFFF;
 /// Returns the same and throws InputError "there is no module 7; …" with the numbers that there are.
 [[nodiscard]] layout::ModuleId require_module(const Design& design, ModuleNumber number);
 
-/// Returns the numbers of these modules, in their order. Throws as number_of().
+/// Returns the numbers of these modules, in their order.
 template <typename Ids>
 [[nodiscard]] std::vector<ModuleNumber> numbers_of(const Design& design, const Ids& ids) {
   std::vector<ModuleNumber> numbers;

@@ -27,7 +27,7 @@ struct PatchOffsets {
 /// second: half a second after a board gets its power, else the time of one question each. One that does not answer is
 /// not waited for. Throws Unreachable.
 void wait_for_set_up(Bus& bus, std::span<const wire::NodeClaim> claims);
-/// Finds the controllers first, which takes 0.12 s.
+/// Finds the controllers first, which takes 0.12 s. Throws Unreachable.
 void wait_for_set_up(Bus& bus);
 
 /// Asks those of the controllers `claims` that have a table of the design. One that does not answer is left out. Throws

@@ -47,7 +47,7 @@ class Surface {
   [[nodiscard]] const Vec3& vertex_normal(VertexIndex vertex) const {
     return vertex_normal_[static_cast<std::size_t>(vertex)];
   }
-  /// Interpolates the unit normal from the vertices of the point's face. Errors: std::logic_error if it has none.
+  /// Interpolates the unit normal from the vertices of the point's face. Throws std::logic_error if it has none.
   [[nodiscard]] Vec3 normal_at(const SurfacePoint& point) const;
   /// Lists the border loops as vertex indices, with the surface on the left.
   [[nodiscard]] const std::vector<std::vector<VertexIndex>>& border_loops() const { return loops_; }
