@@ -44,7 +44,9 @@ for word in words:
         assert "data_bittiming_const" in info, "Operation not supported"
         value = next(words)
         link["mtu"] = 72 if value == "on" else link["mtu"]
-    elif word == "restart-ms":
+    elif word in ("sample-point", "dsample-point"):
+        assert next(words) == "0.8"
+    elif word in ("restart-ms", "berr-reporting"):
         next(words)
     elif word == "restart":
         assert up, "Invalid argument"
@@ -192,7 +194,9 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   EXPECT_TRUE(troubles(0).empty());  // The kernel loads the module when it is needed.
 
   write_interface({{"flags", {"NOARP"}}});
-  expect_mended_by_its_command("interface can0", "up txqueuelen 128 type can bitrate 1000000 dbitrate 2000000 fd on");
+  expect_mended_by_its_command(
+      "interface can0",
+      "up txqueuelen 128 type can bitrate 1000000 sample-point 0.8 dbitrate 2000000 dsample-point 0.8 fd on");
   write_interface({{"linkinfo", {{"info_data", {{"bittiming", {{"bitrate", 500000}}}}}}}});
   expect_mended_by_its_command("bit rate of can0", "bitrate 1000000");
   write_interface({{"mtu", 16}});
@@ -229,7 +233,8 @@ TEST_F(Doctor, an_adapter_without_FD_is_no_trouble_and_is_brought_up_without_it)
   json down = without;
   down["flags"] = {"NOARP"};
   write_interface(down);
-  expect_mended_by_its_command("interface can0", "type can bitrate 1000000 restart-ms 100");
+  expect_mended_by_its_command("interface can0",
+                               "type can bitrate 1000000 sample-point 0.8 berr-reporting on restart-ms 100");
 }
 
 TEST_F(Doctor, old_firmware_on_CAN_is_mended_with_the_image_of_the_packages) {

@@ -56,8 +56,8 @@ TEST_F(CanLines, OfThePagesHaveTheSamplePointsOfTheFirmware) {
   power_up();
   run_for(200'000);
   int checked = 0, with_data = 0;
-  for (const char* page : {"bring_up.md", "connect.md", "start.md"}) {
-    std::ifstream in(std::filesystem::path(test::source_folder()) / "docs" / page);
+  for (const char* page : {"docs/bring_up.md", "docs/connect.md", "docs/start.md"}) {
+    std::ifstream in(std::filesystem::path(test::source_folder()) / page);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     static const std::regex kLine(R"(ip link set can0 up type can( [^`#\n]*))");
     for (std::sregex_iterator m(text.begin(), text.end(), kLine), end; m != end; ++m, ++checked) {

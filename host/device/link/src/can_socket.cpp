@@ -104,9 +104,8 @@ CanSocket::~CanSocket() {
 void CanSocket::fail(const std::string& what, int error) {
   alive_ = false;
   if (error == ENETDOWN || error == ENETUNREACH) {
-    throw Unreachable(fmt::format(
-        "can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000; run: triskin doctor",
-        interface_));
+    throw Unreachable(
+        fmt::format("can:{}: the interface is down; triskin doctor has the line that brings it up", interface_));
   }
   if (error == ENODEV || error == ENXIO)
     throw Unreachable(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));

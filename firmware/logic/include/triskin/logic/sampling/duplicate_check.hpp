@@ -18,7 +18,7 @@ namespace triskin::fw {
 class DuplicateCheck {
  public:
   /// From this mean residual on two chips are suspected. Of 4,000 chips drawn from the ranges of docs/silicon.md one
-  /// reaches 24; two, each taxel within 100 fF of the other's, leave at least 400 (tests/firmware).
+  /// reaches 26; two whose taxels differ by up to 100 fF leave at least 182 (tests/firmware).
   static constexpr float kMaxResidual_counts = 40.0F;
   /// One chip is off by at most 15,000 (docs/silicon.md). A larger deficit is a second chip, also where one of the
   /// results is at an end of the range.
