@@ -119,13 +119,26 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   const Outcome not_a_mesh = run("design a.json -o c.json");
   EXPECT_EQ(not_a_mesh.status, 2);
   EXPECT_THAT(not_a_mesh.messages, HasSubstr("triskin edit"));
-  ASSERT_EQ(run("edit a.json --mirror 1,1,0,20 -o c.json").status, 0);
+  const Outcome mirrored = run("edit a.json --mirror 1,1,0,20 -o c.json --json");
+  ASSERT_EQ(mirrored.status, 0);
+  const auto number_keys = [](const Outcome& o) {
+    const auto keys = nlohmann::json::parse(o.out);
+    EXPECT_EQ(keys["kept"], keys["modules"]);
+    EXPECT_EQ(keys["removed"], nlohmann::json::array());
+    EXPECT_EQ(keys["added"], nlohmann::json::array());
+  };
+  number_keys(mirrored);
   EXPECT_EQ(run("check c.json").status, 0);
   write("kinds.json", R"({"format":"triskin-kinds","version":1,"kinds":[{"name":"soft","taxels":8}],
                           "regions":[{"kind":"soft","modules":[2]}]})");
   EXPECT_THAT(run("design plate.obj --kinds kinds.json -o e.json").messages, HasSubstr("make it without --kinds"));
   const Outcome kinds = run("edit b.json --kinds kinds.json -o e.json --json");
   EXPECT_EQ(nlohmann::json::parse(kinds.out)["kinds"]["soft"], 1);
+  number_keys(kinds);
+  const Outcome taken = run("edit b.json --take 0 -o t.json --json");
+  ASSERT_EQ(taken.status, 0) << taken.messages;
+  const auto keys = nlohmann::json::parse(taken.out);
+  EXPECT_EQ(keys["kept"].get<std::size_t>() + keys["added"].size(), keys["modules"].get<std::size_t>());
   EXPECT_EQ(run("check e.json").status, 0);
   ASSERT_EQ(run("edit e.json --kinds none -o f.json").status, 0);
   EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "f.json")), nlohmann::json::parse(read_file(folder_ / "b.json")));

@@ -132,8 +132,20 @@ TEST(Register, too_few_touches_and_unknown_taxels_are_refused) {
   touches.resize(5);
   EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
   touches = touches_on(cover, kPose, 0.0);
-  touches[0].module = design::ModuleNumber{20};
-  EXPECT_THROW((void)register_cover({"arm", &cover}, {}, touches), InputError);
+  const auto error = [&] {
+    try {
+      (void)register_cover({"arm", &cover}, {}, touches);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  touches[6].module = design::ModuleNumber{20};
+  touches[6].place = "t.csv: line 7";
+  EXPECT_EQ(error(), "t.csv: line 7: cover arm has no module 20; its modules are 0-19");
+  touches[6].module = design::ModuleNumber{2};
+  touches[6].taxel = layout::TaxelIndex{12};
+  EXPECT_EQ(error(), "t.csv: line 7: module 2 has no taxel 12; its taxels are 0 … 11");
 }
 
 TEST(Touches, are_read_with_head_line_and_comments) {
@@ -142,6 +154,7 @@ TEST(Touches, are_read_with_head_line_and_comments) {
   ASSERT_EQ(touches.size(), 2U);
   EXPECT_EQ(touches[0].module, 4);
   EXPECT_EQ(touches[0].taxel, 3);
+  EXPECT_EQ(touches[0].place, "t.csv: line 3");
   EXPECT_EQ(touches[0].in_link_mm, Vector3d(1.5, -2, 30));
   for (const char* bad : {"1,2,3,4", "1,2,3,4,5,6", "1.5,2,0,0,0", "1,2,x,0,0", "1,2,nan,0,0", "-1,2,0,0,0"}) {
     try {

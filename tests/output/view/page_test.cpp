@@ -77,7 +77,7 @@ TEST(ViewModel, findings_of_a_robot_are_counted_on) {
   const std::vector<view::CoverNote> covers{{"arm", 0, 0, 0, 10, 0.0, 0.0}, {"leg", 10, 1, 1, 10, 0.0, 0.0}};
   const auto findings = view::findings_in(
       R"({"covers":[{"cover":"arm","findings":[]},{"cover":"leg","findings":[{"module":3,"patch":0,"text":"t"}]}]})",
-      "r", d, covers);
+      "r", d, {.covers = covers});
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].module, 13);
   EXPECT_EQ(findings[0].patch, 1);
@@ -105,6 +105,10 @@ TEST(ViewComparison, tells_kept_added_and_removed_modules_apart) {
   EXPECT_EQ(model["before"]["modules"], 6);
   EXPECT_EQ(model["before"]["vertices"], before.surface.vertices.size());
   EXPECT_EQ(model["covers"][1]["name"], "after");
+  const auto findings =
+      view::findings_in(R"({"findings":[{"module":3,"patch":0,"text":"t"}]})", "r", c.design, c.notes);
+  EXPECT_EQ(findings[0].module, 6 + 3);  // of the later design
+  EXPECT_EQ(findings[0].patch, static_cast<int>(before.patches.size()));
   EXPECT_EQ(model["live"], false);
 }
 
@@ -131,7 +135,7 @@ TEST(ViewModel, a_report_that_is_none_is_refused_with_its_name) {
        {"", "[]", "{}", "\xFF\xFE", R"({"findings":3})", R"({"findings":[7]})", R"({"findings":[{"module":"x"}]})",
         R"({"findings":[{"module":20}]})", R"({"covers":[{"cover":"leg","findings":[]}]})"}) {
     try {
-      (void)view::findings_in(text, "report.json", d, covers);
+      (void)view::findings_in(text, "report.json", d, {.covers = covers});
       ADD_FAILURE() << text << " was taken";
     } catch (const InputError& e) {
       EXPECT_THAT(e.what(), HasSubstr("report.json")) << text;

@@ -139,6 +139,12 @@ TEST(EditDesign, NumbersEnd) {
   d = read_back(edit_design(d, {{5}, {}}).design);
   EXPECT_NE(error_of([&] { (void)edit_design(d, {{}, {TileOfIsland{0, kRing[kMissing]}}}); }).find("end at 65535"),
             std::string::npos);
+  d.kinds.kinds.push_back({"soft", 6, "felt", 0.0});
+  d.next_number = design::kMaxModuleNumberWithKinds + 1;
+  EXPECT_NE(error_of([&] {
+              (void)edit_design(d, {{}, {TileOfIsland{0, kRing[kMissing]}}});
+            }).find("end at 8191 where there are kinds"),
+            std::string::npos);
 }
 
 // Messages name modules by number: with 1 gone, module 4 has id 3 and module 2 id 1.
@@ -167,7 +173,7 @@ TEST(EditDesign, AnAlternativeKeepsTheNumbersOfItsModules) {
   EXPECT_EQ(broken_by(taken), Nothing{});
   for (auto& m : d.alternatives[0].layout.modules)
     for (Vec3& c : m.corner_mm) c.x() += 0.25;
-  EXPECT_EQ(numbers_of(take_alternative(d, 0)), (Numbers{0, 1, 2, 3}));
+  EXPECT_EQ(numbers_of(take_alternative(d, 0)), (Numbers{6, 7, 8, 9}));  // 5 is the highest that was given.
 }
 
 TEST(EditDesign, adds_the_module_that_closes_a_ring) {
@@ -212,6 +218,9 @@ TEST(EditDesign, names_the_limit_that_forbids_a_module) {
             std::string::npos);
   EXPECT_NE(error_of([&] { (void)edit_design(d, {{}, {TileOfIsland{0, {7, 7, true}}}}); }).find("beside no free side"),
             std::string::npos);
+  EXPECT_NE(
+      error_of([&] { (void)edit_design(d, {{}, {TileOfIsland{0, kRing[2]}}}); }).find("filled: module 2 is there"),
+      std::string::npos);
   EXPECT_NE(error_of([&] { (void)edit_design(d, {{0, 1, 2, 3, 4}, {}}); }).find("no module would be left"),
             std::string::npos);
   // At a slit the tile across is taken, though no joint is there.

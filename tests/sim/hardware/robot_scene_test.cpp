@@ -62,6 +62,20 @@ TEST_F(RobotSceneCase, contacts_faults_and_expectations_go_to_their_parts) {
   EXPECT_EQ(text_of(s.expectations[2]), "at 2 s the skin is pressed");
 }
 
+TEST_F(SceneCase, AnExpectationNamesTheNumberOfItsModule) {
+  design::Design d = test::strip(6);
+  d.layout.numbers = {0, 2, 3, 5, 6, 9};
+  d.next_number = 10;
+  d.design_id = design::design_id_of(d);
+  design::write_design(folder_ / "gaps.json", d);
+  write_file_atomically(folder_ / "s.json", R"({"format":"triskin-scene","version":1,"design":"gaps.json","expect":[
+    {"at_s":1,"module":9,"pressed":true},{"at_s":1,"module":5,"taxel":3,"pressed":false}]})");
+  const Scene s = read_scene(folder_ / "s.json");
+  EXPECT_EQ(s.expectations[0].module, 5);
+  EXPECT_EQ(text_of(s.expectations[0]), "at 1 s module 9 is pressed");
+  EXPECT_EQ(text_of(s.expectations[1]), "at 1 s taxel 3 of module 5 is not pressed");
+}
+
 TEST_F(RobotSceneCase, a_bus_gets_what_belongs_to_its_controllers) {
   const RobotScene s = read(R"("contacts":[{"part":"torso","module":7,"until_s":2,"to":{"module":8}}],
     "faults":[{"part":"torso","kind":"stuck_line","patch":0,"line":1},

@@ -60,6 +60,7 @@ TEST_F(SceneCommands, touched_places_become_regions) {
   const Outcome made = run("touched s.json -o r.json --max-weight 3 --json");
   EXPECT_EQ(made.status, 0) << made.messages;
   EXPECT_EQ(json::parse(made.out)["touched_modules"], 1);
+  EXPECT_EQ(json::parse(made.out)["numbers"], json({0, 1, 2, 3, 4, 5}));
   const json regions = json::parse(read_file(folder_ / "r.json"));
   EXPECT_EQ(regions["regions"][0]["weight"], 3.0);
   EXPECT_EQ(run("touched s.json -o r.json --max-weight 1").status, 2);

@@ -127,6 +127,7 @@ TEST_F(RobotScenes, a_scene_of_another_robot_or_of_a_design_is_refused) {
   const Outcome robot = run("record six.json --link sim --scene s.json --seconds 1 -o x.mcap");
   EXPECT_EQ(robot.status, 2);
   EXPECT_THAT(robot.messages, HasSubstr("give its robot file in place of the design"));
+  EXPECT_THAT(run("touched s.json -o r.json").messages, HasSubstr("s.json: is a scene of a robot, but regions are"));
   EXPECT_EQ(run("record bot.json --link sim:127.0.0.1:1 --scene s.json --seconds 1 -o x").status, 2);
 }
 

@@ -6,7 +6,10 @@
 #include "command.hpp"
 #include "recorded_track.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/module_number.hpp"
+#include "triskin/hardware/robot_scene.hpp"
 #include "triskin/scenario/contact_density.hpp"
 
 namespace triskin::cli::touched_command {
@@ -19,6 +22,12 @@ struct Options {
 };
 
 int run(const Options& options, Output& output) {
+  if (!is_recording(options.input) && hardware::is_robot_scene(options.input)) {
+    throw InputError(
+        fmt::format("{}: is a scene of a robot, but regions are those of one part; give a scene with a \"design\" and "
+                    "the contacts of that part, or the recording of its cover",
+                    options.input));
+  }
   const scenario::ContactDensity density =
       is_recording(options.input) ? scenario::density_of_recording(options.input)
                                   : scenario::density_of_scene(hardware::read_scene(options.input), options.seconds);
@@ -27,6 +36,7 @@ int run(const Options& options, Output& output) {
                    {"touched_modules", density.touched_modules()},
                    {"modules", density.touched_s.size()},
                    {"seconds", density.duration_s},
+                   {"numbers", design::all_numbers(density.design.layout)},
                    {"touched_s", density.touched_s}};
   output.say(fmt::format("{}: {} of {} {} touched in {:.3g} s; give it to triskin design --regions", options.output,
                          density.touched_modules(), counted(density.touched_s.size(), "module"),

@@ -134,8 +134,7 @@ int run(const Options& options, Output& output) {
       options.compare.empty() ? read_shown_design(argument.path, has_link) : compared(options, argument.path);
   shown.notes.has_live_skin = has_link;
   if (!options.findings.empty())
-    shown.notes.findings =
-        view::findings_in(read_text(options.findings), options.findings, shown.design, shown.notes.covers);
+    shown.notes.findings = view::findings_in(read_text(options.findings), options.findings, shown.design, shown.notes);
   std::optional<skin::LiveSkin> skin;
   if (has_link) skin.emplace(robot::read_site(argument.path), options.link);
   if (skin) say_simulated_links(options.link, skin->site(), output);

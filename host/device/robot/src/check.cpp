@@ -27,6 +27,11 @@ class Checker {
 
   std::vector<Problem> run() {
     check_buses();
+    if (a_.frames && !is_frame_name(a_.frames->base()))
+      add(robot_.urdf,
+          fmt::format("its base link \"{}\" begins with a slash or has blanks, so ROS (tf2) drops it",
+                      a_.frames->base()),
+          "rename the link in the URDF");
     std::set<std::string> names;
     for (std::size_t c = 0; c < robot_.covers.size(); ++c) {
       const CoverEntry& cover = robot_.covers[c];
@@ -98,6 +103,12 @@ class Checker {
   }
 
   void check_frame(const CoverEntry& cover) {
+    if (!cover.frame.empty() && !is_frame_name(cover.frame)) {
+      add("cover " + cover.name,
+          fmt::format("its frame \"{}\" begins with a slash or has blanks, so ROS (tf2) drops it", cover.frame),
+          "rename the link, also in the URDF");
+      return;
+    }
     if (!a_.frames || cover.frame.empty() || a_.frames->has(cover.frame)) return;
     std::vector<std::string> links;
     for (const auto& [name, pose] : a_.frames->poses()) links.push_back(name);

@@ -97,6 +97,8 @@ class Urdf {
     std::array<double, 3> v{};
     const auto text = element.get_optional<std::string>(fmt::format("<xmlattr>.{}", name));
     if (!text) return v;
+    if (text->find("${") != std::string::npos || text->find("$(") != std::string::npos)
+      fail(fmt::format("{}=\"{}\" is an expression of xacro; make a URDF of it: xacro FILE > robot.urdf", name, *text));
     std::istringstream in(*text);
     std::string rest;
     if (!(in >> v[0] >> v[1] >> v[2]) || in >> rest || !std::isfinite(v[0] + v[1] + v[2]))
@@ -115,6 +117,9 @@ class Urdf {
     if (const auto origin = element.get_child_optional("origin")) {
       const auto xyz = numbers(*origin, "xyz"), rpy = numbers(*origin, "rpy");
       const std::string name = element.get<std::string>("<xmlattr>.name", "without a name");
+      if (origin->get_optional<std::string>("<xmlattr>.quat_xyzw"))
+        fail(fmt::format("joint \"{}\" is turned by quat_xyzw, which is not read here; write the same turn as rpy",
+                         name));
       if (const double far_m = std::hypot(xyz[0], xyz[1], xyz[2]); far_m > kMaxOffset_m)
         fail(fmt::format(
             "joint \"{}\" is {:g} m from its parent; a URDF is in metres: are its numbers millimetres? Then "

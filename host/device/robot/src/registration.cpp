@@ -66,6 +66,15 @@ std::optional<std::vector<Vector3d>> places_of(const design::Design& design, std
   return places;
 }
 
+void require_taxel(const NamedDesign& cover, const Touch& t) {
+  if (design::module_with(*cover.design, t.module) < 0)
+    throw InputError(fmt::format("{}: cover {} has no module {}; its modules are {}", t.place, cover.name, t.module,
+                                 design::ranges_text(design::all_numbers(cover.design->layout))));
+  if (t.taxel < 0 || t.taxel >= layout::kTaxelsPerModule)
+    throw InputError(fmt::format("{}: module {} has no taxel {}; its taxels are 0 … {}", t.place, t.module, t.taxel,
+                                 layout::kTaxelsPerModule - 1));
+}
+
 // Parses numbers such as "1.5,2"; returns false if their count is wrong or the text is not a number.
 bool numbers_in(std::string_view line, std::array<double, 5>& numbers) {
   std::size_t n = 0;
@@ -99,8 +108,10 @@ std::vector<Touch> read_touches(const std::string& text, const std::string& file
     std::array<double, 5> n{};
     if (!numbers_in(line, n) || !is_index(n[0]) || !is_index(n[1]))
       throw InputError(fmt::format("{}: line {}: must be module,taxel,x_mm,y_mm,z_mm", file, number));
-    touches.push_back(
-        {design::ModuleNumber{static_cast<int>(n[0])}, layout::TaxelIndex{static_cast<int>(n[1])}, {n[2], n[3], n[4]}});
+    touches.push_back({design::ModuleNumber{static_cast<int>(n[0])},
+                       layout::TaxelIndex{static_cast<int>(n[1])},
+                       {n[2], n[3], n[4]},
+                       fmt::format("{}: line {}", file, number)});
   }
   return touches;
 }
@@ -127,10 +138,8 @@ Registration register_cover(const NamedDesign& cover, std::span<const NamedDesig
   if (touches.size() < kMinTouches)
     throw InputError(fmt::format("cover {}: {} touches; {} or more are needed, spread over the cover", cover.name,
                                  touches.size(), kMinTouches));
+  for (const Touch& t : touches) require_taxel(cover, t);
   const auto places = places_of(*cover.design, touches);
-  if (!places)
-    throw InputError(
-        fmt::format("cover {}: a touch names a module or taxel that the design does not have", cover.name));
   std::vector<Vector3d> in_link;
   for (const Touch& t : touches) in_link.push_back(t.in_link_mm);
   Registration r;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
@@ -178,6 +179,20 @@ bool is_name(const std::string& text) {
   const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
   return !text.empty() && text.size() <= kMaxLetters && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
          std::ranges::all_of(text, allowed);
+}
+
+bool is_frame_name(const std::string& text) {
+  return !text.empty() && text.front() != '/' && text.find_first_of(" \t\n") == std::string::npos;
+}
+
+void require_reach(const Eigen::Vector3d& place_mm, const std::string& option, const std::string& question) {
+  constexpr double kReach_mm = 10'000.0;  // as for the joints of a URDF
+  if (!place_mm.allFinite()) throw InputError(option + ": x y z must be finite numbers");
+  for (const double v_mm : place_mm) {
+    if (std::abs(v_mm) > kReach_mm)
+      throw InputError(fmt::format("{}: {:g} m from the parent is further than a robot reaches; {}", option,
+                                   v_mm / 1000.0, question));
+  }
 }
 
 Eigen::Isometry3d pose_of(const std::array<double, 6>& n) {

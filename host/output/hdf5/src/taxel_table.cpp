@@ -63,7 +63,8 @@ void write_rows(hid_t file, const Rows& rows) {
   const auto list = [&](const TableColumn& column, const std::vector<int>& values) {
     write_table(file, column, n, 1, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
   };
-  list({"module", "1", "number in the design"}, rows.module);
+  list({"module", "1", "number in the design; of a robot in that of its cover, one cover after the other"},
+       rows.module);
   list({"taxel", "1", "input of the converter, 0 to 11"}, rows.taxel);
   list({"patch", "1", "controller, -1: none"}, rows.patch);
   list({"line", "1", "I2C line 0 to 3, -1: none"}, rows.line);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "triskin/base/error.hpp"
 #include "triskin/design/module_number.hpp"
@@ -78,11 +79,13 @@ Place place_of(const std::string& cover, std::span<const CoverNote> covers, cons
 }  // namespace
 
 std::vector<Finding> findings_in(std::string_view report, const std::string& name, const design::Design& design,
-                                 std::span<const CoverNote> covers) {
+                                 const Notes& notes) {
+  const std::vector<CoverNote>& covers = notes.covers;
   const json root = json::parse(report, nullptr, false);
   if (!root.is_object()) throw_no_report(name);
   std::vector<Finding> all;
-  const std::string cover = text_in(root, "cover");
+  const bool is_comparison = !notes.changes.modules.empty();
+  const std::string cover = is_comparison ? covers.back().name : text_in(root, "cover");
   if (const auto list = root.find("covers"); list != root.end() && list->is_array()) {
     for (const json& of_cover : *list) {
       if (!of_cover.is_object()) throw_no_report(name);

@@ -59,12 +59,7 @@ std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, b
 
 // Returns the number of one more module; Design::next_number is set.
 int new_number(design::Design& d) {
-  if (d.next_number > design::kMaxModuleNumber) {
-    throw InputError(
-        fmt::format("The numbers of modules end at {}, and those of modules that are gone are not given again; make "
-                    "the design anew with triskin design",
-                    design::kMaxModuleNumber));
-  }
+  design::require_fitting_number(d, d.next_number);
   return d.next_number++;
 }
 
@@ -85,6 +80,14 @@ BesideModule resolved(const NewPlace& place, const design::Design& old, const de
     return {id, beside->side};
   }
   const auto& [island, tile] = std::get<TileOfIsland>(place);
+  const std::string name = fmt::format("island {}: tile {}/{}/{}", island, tile.i, tile.j, tile.up ? "up" : "down");
+  for (std::size_t k = 0; k < layout.modules.size(); ++k) {
+    if (layout.modules[k].island != island || layout.modules[k].tile != tile) continue;
+    const design::ModuleNumber there = design::number_of(layout, static_cast<int>(k));
+    throw InputError(there.value >= design::next_number(old)
+                         ? name + " is already filled: a module was just added there"
+                         : fmt::format("{} is already filled: module {} is there", name, there));
+  }
   for (std::size_t k = 0; k < layout.modules.size(); ++k) {
     const design::PlacedModule& m = layout.modules[k];
     for (int s = 0; m.island == island && s < 3; ++s) {
@@ -92,8 +95,7 @@ BesideModule resolved(const NewPlace& place, const design::Design& old, const de
         return {static_cast<int>(k), s};
     }
   }
-  throw InputError(fmt::format("island {}: tile {}/{}/{} lies beside no free side of a module of the island", island,
-                               tile.i, tile.j, tile.up ? "up" : "down"));
+  throw InputError(name + " lies beside no free side of a module of the island");
 }
 
 std::string text_of(const NewPlace& place, const design::Design& old) {
@@ -218,15 +220,9 @@ std::vector<int> modules_at_same_place(const design::ModuleLayout& old, const de
   return same;
 }
 
-// Modules that another layout has at the same place keep their numbers. A layout without any of them is a new cover,
-// numbered from 0.
+// Modules that another layout has at the same place keep their numbers; the others get new ones.
 void take_over_numbers(const design::Design& old, design::Design& taken) {
   const std::vector<int> same = modules_at_same_place(old.layout, taken.layout);
-  taken.layout.numbers.clear();
-  if (std::ranges::all_of(same, [](int id) { return id < 0; })) {
-    taken.next_number = 0;
-    return;
-  }
   taken.next_number = design::next_number(old);
   std::vector<std::pair<int, std::size_t>> order;  // number, module
   for (std::size_t k = 0; k < same.size(); ++k)
@@ -340,6 +336,7 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
                            const ProgressSink& progress) {
   const auto start = Clock::now();
   EditedDesign result = unchanged(design);
+  result.new_patch.assign(design.patches.size(), -1);
   design::Design& d = result.design;
   if (d.name.ends_with(kMirroredSuffix))
     d.name.resize(d.name.size() - kMirroredSuffix.size());

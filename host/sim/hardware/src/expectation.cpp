@@ -20,8 +20,8 @@ std::string times_of(const Expectation& e) {
 std::string subject_of(const Expectation& e) {
   const std::string of_part = e.part.empty() ? "" : " of " + e.part;
   if (e.module < 0) return "the skin" + of_part;
-  if (e.taxel < 0) return fmt::format("module {}{}", e.module, of_part);
-  return fmt::format("taxel {} of module {}{}", e.taxel, e.module, of_part);
+  if (e.taxel < 0) return fmt::format("module {}{}", e.number, of_part);
+  return fmt::format("taxel {} of module {}{}", e.taxel, e.number, of_part);
 }
 
 std::string claim_of(const Expectation& e) {

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numeric>
 #include <sstream>
+#include <utility>
 
+#include "design_argument.hpp"
 #include "module_ids.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
@@ -86,15 +89,19 @@ design::MirrorPlane plane_of(const std::string& text) {
 
 pipeline::EditedDesign edited(const design::Design& design, const EditOptions& options,
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
-  if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}, {}};
+  std::vector<int> patches(design.patches.size(), -1);
+  if (options.take >= 0)
+    return {pipeline::take_alternative(design, options.take, progress), {}, {}, std::move(patches)};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty()) {
     const auto kept = modules_named(design, "--keep", options.keep);
     return pipeline::grow_around(design, {kept.begin(), kept.end()},
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   }
-  // Without removed or added modules, only kinds change.
-  if (options.remove.empty() && options.add.empty()) return {design, {}, {}, {}};
+  if (options.remove.empty() && options.add.empty()) {  // Only kinds change.
+    std::iota(patches.begin(), patches.end(), 0);
+    return {design, {}, {}, std::move(patches)};
+  }
   pipeline::LayoutEdit edit;
   const auto removed = modules_named(design, "--remove", options.remove);
   edit.remove.assign(removed.begin(), removed.end());
@@ -106,9 +113,13 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
 void report_changes(const design::Design& before, const pipeline::EditedDesign& e, const EditOptions& options,
                     Output& output) {
   output.result["controllers"] = e.new_patch;
-  if (!options.mirror.empty())
-    return output.say(fmt::format("{} mirrored, none renumbered", counted(e.new_id.size(), "module")));
-  report_labels(before, e.design, output.result, output);
+  if (options.mirror.empty()) {
+    report_labels(before, e.design, output.result, output);
+  } else {
+    output.result.update(
+        {{"kept", e.new_id.size()}, {"removed", nlohmann::json::array()}, {"added", nlohmann::json::array()}});
+    output.say(fmt::format("{} mirrored, none renumbered", counted(e.new_id.size(), "module")));
+  }
   report_tables(e.new_patch, e.design.patches.size(), output);
 }
 
@@ -303,17 +314,20 @@ void require_design_output(const std::string& path) {
 int edit(const std::string& from, const std::string& to, const EditOptions& options,
          const pipeline::DesignOptions& effort, Output& output) {
   const design::Design before = design::read_design(from);
+  say_if_changed(before, from, output);
   output.result = nlohmann::json::object();
   const design::KindPlan plan = kind_plan_of(options.kinds);  // Invalid kinds are refused before any work.
   pipeline::EditedDesign e = edited(before, options, effort, output.progress());
   if (!options.kinds.empty()) {
     e.design.kinds = plan;
+    const int last = static_cast<int>(e.design.layout.modules.size()) - 1;
+    design::require_fitting_number(e.design, design::number_of(e.design, last).value);
     design::assign_kinds(plan, e.design.layout);
     e.design.design_id = design::design_id_of(e.design);
   }
   const OutputCheck check = write_checked_design(to, e.design, OnViolation::kRefuse, output.progress());
   report_check(check, output);
-  if (!e.new_id.empty()) report_changes(before, e, options, output);
+  report_changes(before, e, options, output);
   const int status = report_design(e.design, output);
   output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
   return check.keeps_all_rules() ? status : 1;

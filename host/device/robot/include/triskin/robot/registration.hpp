@@ -17,6 +17,7 @@ struct Touch {
   design::ModuleNumber module;
   layout::TaxelIndex taxel;
   Eigen::Vector3d in_link_mm{0, 0, 0};
+  std::string place = "a touch";  ///< for messages: "touches.csv: line 4"
 };
 /// Three touches determine a pose, and the others show whether it is right.
 inline constexpr std::size_t kMinTouches = 6;

@@ -92,5 +92,10 @@ struct Robot {
 [[nodiscard]] int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& controller);
 /// Returns true for a valid name of a robot, bus or cover: 1 … 64 letters, digits, "_", "-"; a letter first.
 [[nodiscard]] bool is_name(const std::string& text);
+/// Returns true for a frame that tf2 takes: a name without a leading slash and without blanks.
+[[nodiscard]] bool is_frame_name(const std::string& text);
+/// Throws InputError, which begins with `option`, unless the place of a cover in its link is finite and at most 10 m
+/// along each axis, as far as a robot reaches. `question` asks about the unit of the numbers.
+void require_reach(const Eigen::Vector3d& place_mm, const std::string& option, const std::string& question);
 
 }  // namespace triskin::robot

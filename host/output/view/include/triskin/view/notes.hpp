@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,10 +56,11 @@ struct Notes {
 [[nodiscard]] std::vector<double> counts_per_kpa_of(const design::SkinCalibration& calibration);
 
 /// Reads the findings in a report of `triskin verify` (--report FILE.json, or the output of --json; for a robot with
-/// its covers by name). `name` is the file's name, for errors. Throws InputError for text that is not such a report,
-/// and for a module or cover that the design does not have. Cost: linear.
+/// its covers by name). `name` is the file's name, for errors. `notes` has the covers of the displayed design; of a
+/// comparison the report is about the later design. Throws InputError for text that is not such a report, and for a
+/// module or cover that the design does not have. Cost: linear.
 [[nodiscard]] std::vector<Finding> findings_in(std::string_view report, const std::string& name,
-                                               const design::Design& design, std::span<const CoverNote> covers);
+                                               const design::Design& design, const Notes& notes);
 
 /// Returns the faces of the whole part that are not covered: the inner side of its wall, and its rims. Empty if the
 /// design contains no part. Cost: O(faces) for faces of similar size.
