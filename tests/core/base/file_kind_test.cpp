@@ -76,10 +76,12 @@ TEST(FileKind, next_step_depends_on_what_was_asked_for) {
   EXPECT_EQ(not_asked_for("#usda 1.0\n", FileUse::kMesh), "a USD scene (text); export it as OBJ, STL, 3MF or glTF");
   EXPECT_EQ(not_asked_for(zip_with("Document.xml"), FileUse::kMesh),
             "a FreeCAD document; export the part as STEP, or as a mesh (STL, OBJ, 3MF)");
-  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'/>", FileUse::kRobot),
+  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'><xacro:arm/></robot>", FileUse::kRobot),
             "a xacro robot description; make a URDF of it: xacro FILE > robot.urdf");
-  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'/>", FileUse::kMesh),
+  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'><origin xyz='0 0 ${h}'/></robot>", FileUse::kMesh),
             "a xacro robot description; give one of the meshes that it names");
+  EXPECT_EQ(not_asked_for("<robot xmlns:xacro='x'><!-- <xacro:arm x='${h}'/> --></robot>", FileUse::kRobot), "")
+      << "xacro keeps its namespace and comments in the URDF that it writes";
   EXPECT_EQ(not_asked_for("<robot/>", FileUse::kRobot), "");
   EXPECT_EQ(not_asked_for("\x89MCAP0\r\n", FileUse::kRecording), "");
   EXPECT_EQ(not_asked_for("<svg/>", FileUse::kOutline), "");

@@ -15,6 +15,7 @@
 #include "triskin/base/base64.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/exports/simulators.hpp"
 
 namespace triskin::test {
 namespace {
@@ -222,6 +223,15 @@ TEST(ExportSdf, has_a_frame_for_each_module) {
   for (auto at = std::sregex_iterator(sdf.begin(), sdf.end(), frame); at != std::sregex_iterator(); ++at, ++found)
     expect_corners(d.layout.modules[std::stoul((*at)[1])], three((*at)[2]), three((*at)[3]));
   EXPECT_EQ(found, 20U);
+}
+
+TEST(ExportSdf, a_reserved_name_is_none_of_a_model) {
+  design::Design d = strip(1);
+  d.name = "world";
+  EXPECT_THAT(exports::sdf(d), HasSubstr("<model name=\"world_skin\">"));
+  EXPECT_THAT(exports::mjcf(d, exports::MjcfTouch::kSites, ""), HasSubstr("<body name=\"world_skin\">"));
+  d.name = "__model__";
+  EXPECT_THAT(exports::sdf(d), HasSubstr("<model name=\"__model___skin\">"));
 }
 
 TEST(ExportXml, keeps_a_name_from_a_file_out_of_the_markup) {

@@ -33,7 +33,7 @@ struct Everything final : mcap::Visitor {
 
 struct Style {
   const char* name;
-  bool chunk = true, reversed = false;
+  bool chunk = true, reversed = false, twins = false;  // twins: each topic has two channels, used in turn
 };
 
 class ForeignWriter : public testing::Test {
@@ -53,12 +53,17 @@ class ForeignWriter : public testing::Test {
     for (mcap::Channel c : everything_.channels) {
       --c.id;
       records.record(mcap::Kind::kChannel, mcap::encode(c));
+      if (!style.twins) continue;
+      c.id = twin_of(c.id);
+      records.record(mcap::Kind::kChannel, mcap::encode(c));
     }
     auto messages = everything_.messages;
     if (style.reversed) std::ranges::reverse(messages);
     std::uint64_t first_ns = UINT64_MAX, last_ns = 0;
+    bool is_odd = false;
     for (Everything::Kept& m : messages) {
       --m.head.channel;
+      if (style.twins && (is_odd = !is_odd)) m.head.channel = twin_of(m.head.channel);
       m.head.data = m.data;
       first_ns = std::min(first_ns, m.head.log_ns);
       last_ns = std::max(last_ns, m.head.log_ns);
@@ -76,6 +81,8 @@ class ForeignWriter : public testing::Test {
     return path;
   }
 
+  static std::uint16_t twin_of(std::uint16_t channel) { return static_cast<std::uint16_t>(channel + 100); }
+
   test::TempFolder folder_;
   Everything everything_;
 };
@@ -84,7 +91,9 @@ constexpr std::array<Style, 4> kStyles{
     {{"chunk"}, {"plain", false}, {"reversed", true, true}, {"plain_reversed", false, true}}};
 
 TEST_F(ForeignWriter, the_samples_are_the_same) {
-  for (const Style& style : kStyles) {
+  std::vector<Style> styles(kStyles.begin(), kStyles.end());
+  styles.push_back({"twins", true, false, true});
+  for (const Style& style : styles) {
     std::vector<std::pair<std::uint64_t, int>> own, foreign;
     const auto note = [](auto& list) {
       return [&list](const ModuleSample& s) { list.emplace_back(s.link_time_us, static_cast<int>(s.module)); };

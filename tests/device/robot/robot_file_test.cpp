@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "support/strip_design.hpp"
@@ -109,6 +111,12 @@ TEST(RobotFile, bad_forms_name_file_and_key) {
   EXPECT_THAT(refused("[1,0,0,0]", "[2,0,0,0]"), HasSubstr("unit vectors"));
 }
 
+TEST(RobotFile, a_place_is_within_reach) {
+  require_reach({10'000, -10'000, 0}, "--xyz-mm", "micrometres?");
+  for (const double bad_mm : {10'001.0, -1e9, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(require_reach({0, bad_mm, 0}, "--xyz-mm", "micrometres?"), InputError) << bad_mm;
+}
+
 TEST(RobotFile, a_design_is_no_robot_wherever_its_format_stands) {
   const auto folder = std::filesystem::temp_directory_path();
   const auto kind_of = [&](const std::string& text) {
@@ -181,6 +189,9 @@ TEST(RobotCheck, names_thing_place_and_remedy) {
   a.robot.covers[0].controllers[0].serial = a.robot.covers[2].controllers[0].serial = "0123456789ABCDEF01234567";
   EXPECT_THAT(only_problem(a), HasSubstr("is also that of cover upper, patch 0"));
   a = small_robot();
+  a.robot.covers[0].frame = "/arm";
+  EXPECT_THAT(only_problem(a), HasSubstr("cover upper: its frame \"/arm\" begins with a slash"));
+  a = small_robot();
   a.robot.buses[1].link = "can:can2,can:can0";
   EXPECT_THAT(only_problem(a), HasSubstr("bus right: opens can:can0, which bus left opens too"));
 }
@@ -250,7 +261,9 @@ TEST(Frames, of_a_urdf_at_joints_0) {
   // The hand is 300 mm along the arm's z, which is the base's -y.
   EXPECT_TRUE(frames.pose("hand").translation().isApprox(Eigen::Vector3d(100, -300, 0), 1e-9));
   for (const char* bad : {"<a/>", "<robot><link/></robot>", "no xml", "<robot><link name='a'/><link name='b'/></robot>",
-                          "<robot><link name='a'/><joint name='j'><parent link='a'/><child link='c'/></joint></robot>"})
+                          "<robot><link name='a'/><joint name='j'><parent link='a'/><child link='c'/></joint></robot>",
+                          "<robot><link name='a'/><link name='c'/><joint name='j'><parent link='a'/><child link='c'/>"
+                          "<origin quat_xyzw='0 0 1 0'/></joint></robot>"})
     EXPECT_THROW((void)Frames::parse_urdf(bad, "r.urdf"), InputError) << bad;
 }
 

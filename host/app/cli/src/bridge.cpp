@@ -63,13 +63,9 @@ bridge::Pose pose_of(const std::vector<double>& numbers) {
     throw InputError("--pose: the last four numbers are not a unit quaternion x y z w");
   if (!std::ranges::all_of(pose.translation_m, [](double v) { return std::isfinite(v); }))
     throw InputError("--pose: x y z must be finite numbers (m)");
-  constexpr double kReach_m = 10.0;  // as for the joints of a URDF
-  if (const double far_m = std::ranges::max(pose.translation_m, {}, [](double v) { return std::abs(v); });
-      std::abs(far_m) > kReach_m)
-    throw InputError(
-        fmt::format("--pose: {:g} m from the parent is further than a robot reaches; x y z are metres: are "
-                    "they millimetres? Then divide them by 1000",
-                    far_m));
+  constexpr double kMetre_mm = 1000.0;
+  robot::require_reach(kMetre_mm * Eigen::Vector3d(pose.translation_m[0], pose.translation_m[1], pose.translation_m[2]),
+                       "--pose", "x y z are metres: are they millimetres? Then divide them by 1000");
   return pose;
 }
 
@@ -271,9 +267,8 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
   return by_cover;
 }
 
-// tf2 drops a transform whose frame has no name, begins with a slash, or is its own parent.
 void require_frame(const std::string& frame) {
-  if (frame.empty() || frame.front() == '/' || frame.find_first_of(" \t\n") != std::string::npos)
+  if (!robot::is_frame_name(frame))
     throw InputError(
         fmt::format("--parent \"{}\": a frame of tf2 has a name without a leading slash or blanks, such as {}", frame,
                     frame.size() > 1 && frame.front() == '/' ? frame.substr(1) : "base_link"));

@@ -99,8 +99,25 @@ int run_new(const Options& options, Output& output) {
   return 0;
 }
 
+// Writes only what can be read again.
+void write_robot(const Options& options, const robot::Robot& robot) {
+  const std::string text = robot::robot_text(robot);
+  (void)robot::parse_robot(text, options.robot);
+  write_file_atomically(options.robot, text);
+}
+
+void require_turns(const std::vector<double>& rpy_deg) {
+  constexpr double kTurn_deg = 360.0;
+  for (const double v_deg : rpy_deg) {
+    if (!(std::abs(v_deg) <= kTurn_deg))
+      throw InputError(fmt::format("--rpy-deg: {:g} must be an angle in -360 … 360 degrees", v_deg));
+  }
+}
+
 // The values are parsed like a file, so that the same rules apply.
 Eigen::Isometry3d pose_of_matrix(std::span<const double> matrix) {
+  if (!std::ranges::all_of(matrix, [](double v) { return std::isfinite(v); }))
+    throw InputError("--matrix: its 16 numbers must be finite");
   std::vector<std::string> rows;
   for (std::size_t row = 0; row < 4; ++row)
     rows.push_back(fmt::format("[{}]", fmt::join(matrix.subspan(4 * row, 4), ",")));
@@ -114,6 +131,7 @@ void set_pose(robot::CoverEntry& cover, const Options& options) {
     cover.pose = pose_of_matrix(options.matrix);
     cover.xyz_rpy.reset();
   } else if (!options.xyz_mm.empty() || !options.rpy_deg.empty()) {
+    require_turns(options.rpy_deg);
     std::array<double, 6> numbers{};
     for (std::size_t k = 0; k < options.xyz_mm.size(); ++k) numbers[k] = options.xyz_mm[k];
     for (std::size_t k = 0; k < options.rpy_deg.size(); ++k)
@@ -123,6 +141,8 @@ void set_pose(robot::CoverEntry& cover, const Options& options) {
   } else {
     return;
   }
+  robot::require_reach(cover.pose.translation(), options.matrix.empty() ? "--xyz-mm" : "--matrix",
+                       "places are millimetres: are they micrometres? Then divide them by 1000");
   cover.has_pose = true;
   cover.measured.reset();
 }
@@ -145,7 +165,7 @@ void write_checked(const Options& options, const robot::Robot& robot, Output& ou
   if (!problems.empty())
     throw InputError(
         fmt::format("{}: {}; {}; nothing was written", problems[0].place, problems[0].text, problems[0].remedy));
-  write_file_atomically(options.robot, robot::robot_text(robot));
+  write_robot(options, robot);
   output.result["covers"] = robot.covers.size();
   output.result["buses"] = robot.buses.size();
 }
@@ -423,7 +443,7 @@ int run_register(const Options& options, Output& output) {
   cover->has_pose = true;
   cover->xyz_rpy.reset();
   cover->measured = robot::Measured{static_cast<int>(touches.size()), r.fit.rms_mm};
-  write_file_atomically(options.robot, robot::robot_text(a.robot));
+  write_robot(options, a.robot);
   output.say(
       fmt::format("{}: pose of cover {} written, {:.1f} mm from where it was", options.robot, options.name, moved_mm));
   return 0;

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -107,6 +109,7 @@ class Skin {
   Skin& operator=(const Skin&) = delete;
 
   void close() {
+    const Turn turn(*this);
     if (skin_ == nullptr) return;
     triskin_skin* skin = std::exchange(skin_, nullptr);
     const py::gil_scoped_release released;
@@ -115,47 +118,56 @@ class Skin {
 
   [[nodiscard]] std::size_t modules() const { return modules_; }
   [[nodiscard]] py::array_t<double> positions_mm() const {
+    const Turn turn(*this);
     py::array_t<double> out({modules_, std::size_t{TRISKIN_TAXELS}, std::size_t{3}});
     check(triskin_positions_mm(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
   [[nodiscard]] py::array_t<double> normals() const {
+    const Turn turn(*this);
     py::array_t<double> out({modules_, std::size_t{TRISKIN_TAXELS}, std::size_t{3}});
     check(triskin_normals(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
   [[nodiscard]] py::array_t<std::int32_t> numbers() const {
+    const Turn turn(*this);
     py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
     check(triskin_module_numbers(open(), out.mutable_data(), modules_));
     return out;
   }
   [[nodiscard]] py::array_t<std::int32_t> patches() const {
+    const Turn turn(*this);
     py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
     check(triskin_patches(open(), out.mutable_data(), modules_));
     return out;
   }
   [[nodiscard]] py::array_t<std::int32_t> cover() const {
+    const Turn turn(*this);
     py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
     check(triskin_covers(open(), out.mutable_data(), modules_));
     return out;
   }
   [[nodiscard]] std::vector<std::string> covers() const {
+    const Turn turn(*this);
     std::vector<std::string> names;
     for (std::size_t c = 0; c < triskin_cover_count(open()); ++c) names.emplace_back(triskin_cover_name(open(), c));
     return names;
   }
   void start() {
+    const Turn turn(*this);
     check(without_python([this] { return triskin_start(open()); }));
     runs_ = true;
     fresh_ = false;
   }
   void stop() {
+    const Turn turn(*this);
     check(without_python([this] { return triskin_stop(open()); }));
     runs_ = false;
   }
 
   py::array_t<triskin_sample> read(double seconds) {
     if (!(seconds >= 0.0)) throw BadInput("read: seconds must be 0 or more");
+    const Turn turn(*this);
     constexpr double kSlice_s = 0.05;
     constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 have a resolution of 0.24 µs, and links count whole µs.
     std::vector<triskin_sample> all = std::exchange(kept_, {});
@@ -173,30 +185,41 @@ class Skin {
   }
 
   [[nodiscard]] py::dict counts() {
+    const Turn turn(*this);
     triskin_counts c{};
     check(triskin_get_counts(open(), &c));
     return py::dict(py::arg("expected") = c.expected, py::arg("received") = c.received, py::arg("lost") = c.lost,
                     py::arg("lost_here") = c.lost_here);
   }
   void tare() {
+    const Turn turn(*this);
     check(without_python([this] { return triskin_tare(open()); }));
     runs_ = true;
     fresh_ = false;
   }
   [[nodiscard]] py::array_t<double> change_counts() {
+    const Turn turn(*this);
     py::array_t<double> out({modules_, std::size_t{TRISKIN_TAXELS}});
     check(triskin_change_counts(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
   // Returns None if a module has no calibration.
   [[nodiscard]] py::object calibration() {
+    const Turn turn(*this);
     const Calibration& known = asked();
     if (!known.known) return py::none();
     return py::make_tuple(known.counts_per_kpa, known.taxel_area_mm2);
   }
-  [[nodiscard]] py::array_t<double> pressure_kpa() { return pressure_of(change_counts(), asked()); }
-  [[nodiscard]] py::list contacts() { return contacts_of(positions_mm(), normals(), change_counts(), asked()); }
+  [[nodiscard]] py::array_t<double> pressure_kpa() {
+    const Turn turn(*this);
+    return pressure_of(change_counts(), asked());
+  }
+  [[nodiscard]] py::list contacts() {
+    const Turn turn(*this);
+    return contacts_of(positions_mm(), normals(), change_counts(), asked());
+  }
   [[nodiscard]] std::pair<bool, std::string> verify() {
+    const Turn turn(*this);
     const Pause pause(*this);
     const char* report = "";
     const triskin_status status = without_python([&] { return triskin_verify(open(), &report); });
@@ -205,6 +228,27 @@ class Skin {
   }
 
  private:
+  // The C interface takes one thread at a time, so each call waits until those of other threads are done. It waits
+  // without the lock of Python, which those need to end, and in steps, so that Ctrl-C ends it.
+  class Turn {
+   public:
+    explicit Turn(const Skin& skin) : mutex_(skin.mutex_) {
+      while (!locked_in_time()) {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      }
+    }
+    ~Turn() { mutex_.unlock(); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    [[nodiscard]] bool locked_in_time() {
+      const py::gil_scoped_release released;
+      return mutex_.try_lock_for(std::chrono::milliseconds(50));
+    }
+    std::recursive_timed_mutex& mutex_;
+  };
+
   // A question to the controllers needs a stopped stream. The stream continues afterwards, and waiting samples are
   // kept.
   class Pause {
@@ -263,6 +307,7 @@ class Skin {
       check(status);
     }
   }
+  mutable std::recursive_timed_mutex mutex_;  // Calls use each other.
   triskin_skin* skin_ = nullptr;
   std::size_t modules_ = 0;
   std::vector<triskin_sample> kept_;  // These samples were waiting when a question stopped the stream.
@@ -310,6 +355,7 @@ class Recording {
   [[nodiscard]] py::array_t<double> change_counts(const std::optional<double>& seconds) const {
     py::array_t<double> now({modules, std::size_t{TRISKIN_TAXELS}});
     std::fill_n(now.mutable_data(), now.size(), 0.0);
+    if (seconds && !(*seconds >= 0.0)) throw BadInput("seconds must be 0 or more, or None for the end");
     if (samples.size() == 0) return now;
     const double end_s = seconds ? samples.data()[0].time_s + *seconds : std::numeric_limits<double>::infinity();
     for (py::ssize_t k = 0; k < samples.size(); ++k) {
@@ -355,6 +401,7 @@ bool is_recording(const std::string& file) {
 std::string path_of(const py::object& path) {
   std::string file = py::cast<std::string>(py::module_::import("os").attr("fsencode")(path));
   if (file.empty()) throw BadInput("the name of the file is empty");
+  if (file.find('\0') != std::string::npos) throw BadInput("the name of the file contains a null character");
   return file;
 }
 std::string path_or_none(const py::object& path) {
@@ -384,7 +431,10 @@ std::unique_ptr<Skin> simulate(const py::object& path, const py::object& scene, 
 }
 
 void add_skin(py::module_& m) {
-  py::class_<Skin>(m, "Skin", "The skin of a design or of a robot. Use triskin.open.")
+  py::class_<Skin>(
+      m, "Skin",
+      "The skin of a design or of a robot. Use triskin.open. Threads may share it: their calls are taken one after "
+      "the other, so each waits for those before it, a read for all of its seconds.")
       .def("close", &Skin::close, "Ends the stream and the link.")
       .def(
           "__enter__", [](Skin& s) -> Skin& { return s; }, py::return_value_policy::reference)

@@ -247,11 +247,29 @@ bool is_table(const std::vector<std::string_view>& lines) {
   return false;
 }
 
-std::optional<FileKind> xml_kind(std::string_view text, const std::string& root) {
+// A URDF that xacro wrote may keep the declaration of its namespace, and calls within comments. `text` is the whole
+// file, as the first call may stand far down.
+bool is_xacro(std::string_view text) {
+  bool declares = false, has_expression = false;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t comment = std::min(text.find("<!--", from), text.size());
+    const std::string_view part = text.substr(from, comment - from);
+    const auto named = [&](std::string_view what) { return part.find(what) != std::string_view::npos; };
+    if (named("<xacro:")) return true;
+    declares = declares || named("xmlns:xacro");
+    has_expression = has_expression || named("${") || named("$(");
+    const std::size_t end = text.find("-->", comment);
+    from = end == std::string_view::npos ? text.size() : end + 3;
+  }
+  return declares && has_expression;
+}
+
+// `text` is the beginning of the file.
+std::optional<FileKind> xml_kind(std::string_view text, const std::string& root, std::string_view file) {
   const auto named = [&](std::string_view what) { return text.find(what) != std::string_view::npos; };
   if (root == "html")
     return FileKind{"a web page (HTML), as a failed download leaves", kOther, "download the file itself"};
-  if (root == "robot" && (named("xmlns:xacro") || named("<xacro:")))
+  if (root == "robot" && is_xacro(file))
     return FileKind{"a xacro robot description", kOtherRobot, "make a URDF of it: xacro FILE > robot.urdf"};
   if (root == "robot" && !named("<link") && (named("<group") || named("<disable_collisions")))
     return FileKind{"an SRDF of MoveIt", kOtherRobot};
@@ -404,7 +422,7 @@ std::optional<FileKind> file_kind(std::string_view bytes) {
     return FileKind{"JSON of another kind", kOther};
   }
   if (const std::string root = root_element(head); !root.empty())
-    return root == "collada" || root == "?" ? std::nullopt : xml_kind(head, root);
+    return root == "collada" || root == "?" ? std::nullopt : xml_kind(head, root, bytes);
   return text_kind(head);
 }
 

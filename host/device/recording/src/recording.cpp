@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -24,13 +24,17 @@ class Samples final : public mcap::Visitor {
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
     if (schemas_[channel.schema] == kRawFrameType.name) {
-      if (raw_ && *raw_ != channel.id) throw_several_covers();
-      raw_ = channel.id;
+      if (!raw_.empty() && channel.topic != raw_topic_) throw_several_covers();
+      raw_topic_ = channel.topic;
+      raw_.insert(channel.id);
     }
-    if (schemas_[channel.schema] == kReadersType.name) readers_channel_ = channel.id;
+    if (schemas_[channel.schema] == kReadersType.name) readers_channels_.insert(channel.id);
   }
   void on_attachment(const mcap::Attachment& attachment) override {
-    if (attachment.name == "design.json") summary_.design_text = attachment.data;
+    if (attachment.name == "design.json") {
+      if (!summary_.design_text.empty() && summary_.design_text != attachment.data) throw_several_covers();
+      summary_.design_text = attachment.data;
+    }
     if (attachment.name == kCalibrationName) summary_.calibration_text = attachment.data;
     if (attachment.name == kRestName) summary_.rest_text = attachment.data;
     if (attachment.name == kSettledName) summary_.settled_text = attachment.data;
@@ -40,8 +44,8 @@ class Samples final : public mcap::Visitor {
     if (metadata.name == "triskin_result") summary_.result = metadata.entries;
   }
   void on_message(const mcap::Message& message) override {
-    if (message.channel == raw_) take_samples(message);
-    if (message.channel == readers_channel_) take_readers(message);
+    if (raw_.contains(message.channel)) take_samples(message);
+    if (readers_channels_.contains(message.channel)) take_readers(message);
   }
 
  private:
@@ -85,7 +89,9 @@ class Samples final : public mcap::Visitor {
   const std::function<void(const ModuleSample&)>& handler_;
   std::vector<int> numbers_;
   std::map<std::uint16_t, std::string> schemas_;
-  std::optional<std::uint16_t> raw_, readers_channel_;  // Any number may be that of a channel, 0 too.
+  // A topic may have several channels: a program that merges files keeps those of each.
+  std::set<std::uint16_t> raw_, readers_channels_;
+  std::string raw_topic_;
   // Entries are indexed by module; they are empty if the recording does not name the readers.
   std::vector<Reader> own_, readers_;
 };
@@ -96,10 +102,10 @@ class Survey final : public mcap::Visitor {
  public:
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
-    if (schemas_[channel.schema] == kRawFrameType.name) raw_ = channel.id;
+    if (schemas_[channel.schema] == kRawFrameType.name) raw_.insert(channel.id);
   }
   void on_message(const mcap::Message& message) override {
-    if (message.channel != raw_) return;
+    if (!raw_.contains(message.channel)) return;
     goes_back = goes_back || message.log_ns < last_ns_;
     last_ns_ = message.log_ns;
   }
@@ -111,7 +117,7 @@ class Survey final : public mcap::Visitor {
 
  private:
   std::map<std::uint16_t, std::string> schemas_;
-  std::optional<std::uint16_t> raw_;
+  std::set<std::uint16_t> raw_;
   std::uint64_t last_ns_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "metres.hpp"
+#include "simulator_taxels.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
@@ -116,7 +117,7 @@ std::string sdf(const design::Design& design) {
   std::string xml = fmt::format(
       "<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n  <model name=\"{}\">\n    <static>true</static>\n    <link "
       "name=\"cover\">\n",
-      escape_markup(design.name));
+      escape_markup(is_reserved_in_simulators(design.name) ? simulator_name(design) : design.name));
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = box_pose_of(design.layout.modules[k], design.layout.corner_cut_mm);
     xml += fmt::format(

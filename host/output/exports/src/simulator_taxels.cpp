@@ -27,8 +27,13 @@ std::vector<SimulatorTaxel> simulator_taxels(const design::Design& design) {
   return list;
 }
 
+bool is_reserved_in_simulators(const std::string& name) {
+  return name == "world" || (name.size() >= 4 && name.starts_with("__") && name.ends_with("__"));
+}
+
 std::string simulator_name(const design::Design& design) {
-  return ascii_name(design.name, "", "skin");
+  std::string name = ascii_name(design.name, "", "skin");
+  return is_reserved_in_simulators(name) ? name + "_skin" : name;
 }
 
 std::string link_name(const std::string& design_name, design::ModuleNumber module) {

@@ -18,7 +18,10 @@ struct SimulatorTaxel {
 /// Returns all pressure taxels by module, then taxel. Throws InputError for a design without modules.
 [[nodiscard]] std::vector<SimulatorTaxel> simulator_taxels(const design::Design& design);
 
-/// Returns the name of the design reduced to letters, digits and "_", as the base of other names.
+/// Returns true for "world" and "__…__": MuJoCo has a body "world", and SDFormat reserves both.
+[[nodiscard]] bool is_reserved_in_simulators(const std::string& name);
+/// Returns the name of the design reduced to letters, digits and "_", as the base of other names; a reserved name ends
+/// in "_skin".
 [[nodiscard]] std::string simulator_name(const design::Design& design);
 /// Returns the name of a module's body.
 [[nodiscard]] std::string link_name(const std::string& design_name, design::ModuleNumber module);
