@@ -102,6 +102,10 @@ TEST(StepText, HiddenBodiesAreListed) {
   EXPECT_THAT(hidden("#402=STYLED_ITEM('',(),#401);\n#404=PRESENTATION_LAYER_ASSIGNMENT('off','',(#402));\n"
                      "#403=INVISIBILITY((#404));\n"),
               ElementsAre(401));
+  // An overriding style hides its own item, not that of the style behind it.
+  EXPECT_THAT(hidden("#402=STYLED_ITEM('',(),#401);\n#405=OVER_RIDING_STYLED_ITEM('',(),#400,#402);\n"
+                     "#403=INVISIBILITY((#405));\n"),
+              ElementsAre(400));
   EXPECT_THAT(hidden("#402=STYLED_ITEM('',(),#401);\n"), ElementsAre());
 }
 

@@ -80,6 +80,33 @@ TEST(DxfOutline, units_layers_and_mirrored_planes) {
   for (const Vec2& p : mirrored.outer) EXPECT_NEAR(p.x(), -100.0, 5.001);
 }
 
+TEST(DxfOutline, layers_in_any_case_defpoints_and_lines_of_no_length_are_left_out) {
+  const std::string square =
+      "0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n10\n0\n20\n0\n10\n4\n20\n0\n10\n4\n20\n4\n10\n0\n20\n4\n";
+  const std::string layers = "0\nSECTION\n2\nTABLES\n0\nLAYER\n2\nJig\n70\n0\n62\n-7\n0\nENDSEC\n";
+  EXPECT_DOUBLE_EQ(area_of(dxf(square + "0\nCIRCLE\n8\nJIG\n10\n900\n20\n0\n40\n5\n", "4", layers)), 16.0);
+  EXPECT_DOUBLE_EQ(area_of(dxf(square + "0\nCIRCLE\n8\nDefpoints\n10\n900\n20\n0\n40\n5\n")), 16.0);
+  EXPECT_DOUBLE_EQ(area_of(dxf(square + "0\nLINE\n8\n0\n10\n2\n20\n2\n11\n2\n21\n2\n")), 16.0);
+}
+
+TEST(DxfOutline, curves_that_leave_their_plane_are_refused) {
+  for (const char* curve :
+       {"0\nLINE\n10\n0\n20\n0\n30\n0\n11\n50\n21\n0\n31\n9\n",
+        "0\nPOLYLINE\n66\n1\n70\n9\n0\nVERTEX\n10\n0\n20\n0\n30\n0\n0\nVERTEX\n10\n9\n20\n0\n30\n5\n0\nSEQEND\n"})
+    EXPECT_THAT(error_of(dxf(curve)), HasSubstr("lies in a plane that is tilted")) << curve;
+  expect_area(dxf("0\nLWPOLYLINE\n38\n7\n90\n2\n70\n1\n10\n0\n20\n0\n42\n1\n10\n100\n20\n0\n42\n1\n"), kPi * 2500,
+              2 * kPi * 50);
+}
+
+TEST(Outline, parts_are_named_with_their_command) {
+  for (const auto& [part, what] :
+       {std::pair{"solid a\nfacet normal 0 0 1\n", "is a mesh (STL); \"triskin design\" covers a part"},
+        std::pair{"v 0 0 0\nv 1 0 0\n", "is a mesh (OBJ); \"triskin design\""},
+        std::pair{"ISO-10303-21;\nHEADER;\n", "is a part in STEP; \"triskin design\""},
+        std::pair{"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n", "is an IFC building model; give a polygon"}})
+    EXPECT_THAT(error_of(part), HasSubstr(what));
+}
+
 TEST(DxfOutline, says_what_is_wrong) {
   EXPECT_THAT(error_of(dxf("0\nLINE\n10\n0\n20\n0\n11\n50\n21\n0\n0\nLINE\n10\n50\n20\n0\n11\n50\n21\n50\n")),
               HasSubstr("the outline is open"));
@@ -100,6 +127,45 @@ TEST(SvgOutline, shapes_and_their_units) {
   EXPECT_NEAR(area_of(svg(R"(<rect width="96" height="96"/>)", "")), 25.4 * 25.4, 1e-9);
   EXPECT_NEAR(area_of(svg(R"(<rect width="10" height="10"/>)", R"(width="4in" viewBox="0 0 40 40")")), 25.4 * 25.4,
               1e-9);
+}
+
+TEST(SvgOutline, size_follows_width_height_and_their_fit) {
+  const std::string square = R"(<rect width="100" height="100"/>)";
+  const std::string head = R"(width="150mm" height="120mm" viewBox="0 0 100 100")";
+  EXPECT_NEAR(area_of(svg(square, head)), 120.0 * 120.0, 1e-9);
+  EXPECT_NEAR(area_of(svg(square, head + R"( preserveAspectRatio="none")")), 150.0 * 120.0, 1e-9);
+  EXPECT_THAT(error_of(svg(square, head + R"( preserveAspectRatio="xMidYMid slice")")), HasSubstr("slice"));
+  for (const char* size : {"", R"(width="100%" height="100%" )", R"(width="auto" )"})
+    EXPECT_THAT(error_of(svg(square, size + std::string(R"(viewBox="0 0 100 100")"))), HasSubstr("how large it is"));
+}
+
+TEST(SvgOutline, what_is_not_painted_is_left_out) {
+  const std::string outer = R"(<rect width="50" height="40"/>)";
+  for (const char* paint : {R"(fill="none" stroke="none")", R"(style="fill-opacity:0;stroke:none")",
+                            R"(style="opacity:0%")", R"(style="display : none !important")"})
+    EXPECT_NEAR(area_of(svg(outer + R"(<rect x="10" y="10" width="9" height="9" )" + paint + "/>")), 2000.0, 1e-9)
+        << paint;
+  EXPECT_NEAR(area_of(svg(R"(<g fill="none" stroke="none"><rect width="50" height="40" stroke="red"/></g>)")), 2000.0,
+              1e-9);
+}
+
+TEST(SvgOutline, what_would_be_half_read_is_refused) {
+  const std::string square = R"(<rect class="a" width="50" height="40"/>)";
+  for (const char* rule : {"display:none", "visibility : hidden", "transform:scale(2)", "clip-path:circle(9px)"})
+    EXPECT_THAT(error_of(svg("<style>/* b */ .a{fill:none;" + std::string(rule) + "}</style>" + square)),
+                HasSubstr("style sheet sets"))
+        << rule;
+  EXPECT_NEAR(area_of(svg("<style>.a{fill:none;stroke:#000;display:inline}</style>" + square)), 2000.0, 1e-9);
+  EXPECT_THAT(error_of(svg(R"x(<rect width="50" height="40" style="transform:scale(2)"/>)x")),
+              HasSubstr("its style sets \"transform: scale(2)\""));
+  const std::string clipped = R"x(<g clip-path="url(#c)"><rect width="50" height="40"/></g>)x";
+  const auto clip = [](const char* width) {
+    return fmt::format(R"x(<clipPath id="c"><rect width="{}" height="100"/></clipPath>)x", width);
+  };
+  EXPECT_NEAR(area_of(svg(clip("100") + clipped)), 2000.0, 1e-9);  // as large as the drawing
+  EXPECT_THAT(error_of(svg(clip("30") + clipped)), HasSubstr("cut by a clip-path"));
+  EXPECT_THAT(error_of(svg(R"x(<rect width="50" height="40" mask="url(#m)"/>)x")), HasSubstr("cut by a mask"));
+  EXPECT_THAT(error_of("<!DOCTYPE svg [<!ENTITY w \"150\">]><svg/>"), HasSubstr("SVG with entities"));
 }
 
 TEST(SvgOutline, paths) {

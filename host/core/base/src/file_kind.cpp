@@ -349,6 +349,8 @@ std::string next_step(const FileKind& kind, FileUse asked_for) {
       if (kind.use == kDesign) return "give the mesh that it was made from; \"triskin edit\" changes a design";
       return "give a mesh (OBJ, STL, PLY, OFF, DAE, glTF, GLB, 3MF) or a part in STEP or IGES";
     case kOutline:
+      if (kind.use == kPart)
+        return "\"triskin design\" covers a part; for a flat patch, export its outline as a drawing (DXF, SVG)";
       return "give a polygon in WKT or GeoJSON, or a drawing in DXF or SVG";
     case kRecording:
       return "give an MCAP file that \"triskin record\" wrote";
@@ -388,7 +390,9 @@ std::string root_element(std::string_view text) {
   while (text.starts_with("<?") || text.starts_with("<!--") || lower_case(text.substr(0, 9)) == "<!doctype") {
     if (lower_case(text.substr(0, 14)) == "<!doctype html") return "html";
     const std::string_view close = text.starts_with("<!--") ? "-->" : ">";
-    const std::size_t end = text.find(close);
+    // A document type may hold declarations of its own between [ and ].
+    const bool has_subset = text.starts_with("<!") && close == ">" && text.find('[') < text.find('>');
+    const std::size_t end = text.find(close, has_subset ? text.find(']') : 0);
     if (end == std::string_view::npos) return "?";
     text = without_space(text.substr(end + close.size()));
   }
@@ -430,6 +434,8 @@ std::optional<FileKind> part_kind(std::string_view bytes) {
   constexpr std::size_t kStlHead = 84, kStlFacet = 50;
   const std::string_view text = without_space(bytes.substr(0, kLooked));
   const auto named = [&](std::string_view what) { return text.find(what) != std::string_view::npos; };
+  if (text.starts_with("ISO-10303-21") && (named("(('IFC") || named("(( 'IFC")))
+    return FileKind{"an IFC building model", kCad};
   if (text.starts_with("ISO-10303-21")) return FileKind{"a part in STEP", kPart};
   if (text.starts_with("solid") && named("facet")) return FileKind{"a mesh (STL)", kPart};
   if (bytes.size() > kStlHead && bytes.size() == kStlHead + kStlFacet * little_endian(bytes, kStlHead - 4, 4))
@@ -444,7 +450,7 @@ std::optional<FileKind> part_kind(std::string_view bytes) {
 
 std::string not_asked_for(std::string_view bytes, FileUse asked_for) {
   std::optional<FileKind> kind = file_kind(bytes);
-  if (!kind && asked_for == kDesign) kind = part_kind(bytes);
+  if (!kind && (asked_for == kDesign || asked_for == kOutline)) kind = part_kind(bytes);
   if (!kind || (kind->use == asked_for && asked_for != FileUse::kMesh && asked_for != FileUse::kFirmware)) return {};
   return kind->what + "; " + next_step(*kind, asked_for);
 }

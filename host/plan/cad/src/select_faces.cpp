@@ -186,6 +186,10 @@ std::vector<BrepFaceIndex> select_faces(const Part& part, const FaceSelection& s
     if (selection.from_point_mm && !region.contains(f)) continue;
     if (meets(part, f, selection)) chosen.push_back(f);
   }
+  if (chosen.empty() && std::ranges::all_of(part.faces, &Face::is_hidden))
+    throw InputError(
+        "no face is left: every body is switched off in the CAD program; switch on there what counts and export again, "
+        "or name a body with --object");
   if (chosen.empty()) throw InputError("no face meets all that was asked for; triskin faces lists what the part has");
   return chosen;
 }

@@ -37,6 +37,7 @@ enum Trait : std::uint16_t {
   kInvisible = 512,
   kLayer = 1024,
   kComplexOperator = 2048,
+  kOverride = 4096,
 };
 
 std::uint16_t trait_of(std::string_view keyword) {
@@ -49,7 +50,8 @@ std::uint16_t trait_of(std::string_view keyword) {
   if (keyword == "CARTESIAN_TRANSFORMATION_OPERATOR") return kOperator | kComplexOperator;
   if (keyword.starts_with("CARTESIAN_TRANSFORMATION_OPERATOR_3D")) return kOperator;
   if (keyword == "DIRECTION") return kDirection;
-  if (keyword == "STYLED_ITEM" || keyword == "OVER_RIDING_STYLED_ITEM") return kStyle;
+  if (keyword == "STYLED_ITEM") return kStyle;
+  if (keyword == "OVER_RIDING_STYLED_ITEM") return kStyle | kOverride;
   if (keyword == "INVISIBILITY") return kInvisible;
   if (keyword == "PRESENTATION_LAYER_ASSIGNMENT") return kLayer;
   return 0;
@@ -352,8 +354,10 @@ class Reader {
       assemblies_.add(entity_.references[0], {entity_.references[1]}, entity_.id);
     if ((traits_ & kDirection) != 0) directions_.emplace_back(entity_.id, direction_);
     if ((traits_ & kOperator) != 0) operators_.push_back({entity_.id, values_, (traits_ & kComplexOperator) != 0});
-    if ((traits_ & kStyle) != 0 && !entity_.references.empty())
-      styled_.emplace(entity_.id, std::vector{entity_.references.back()});
+    // The item comes last, before the style that it overrides.
+    const std::size_t behind_item = (traits_ & kOverride) != 0 ? 2 : 1;
+    if ((traits_ & kStyle) != 0 && entity_.references.size() >= behind_item)
+      styled_.emplace(entity_.id, std::vector{entity_.references.end()[-static_cast<std::ptrdiff_t>(behind_item)]});
     if ((traits_ & kLayer) != 0) styled_.emplace(entity_.id, entity_.references);
     if ((traits_ & kInvisible) != 0)
       invisible_.insert(invisible_.end(), entity_.references.begin(), entity_.references.end());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <map>
 #include <numbers>
@@ -32,6 +34,12 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t from = text.find_first_not_of(" \t\r");
   if (from == std::string_view::npos) return {};
   return text.substr(from, text.find_last_not_of(" \t\r") + 1 - from);
+}
+
+// Names of layers are the same in upper and lower case.
+std::string upper_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
 }
 
 // The reference of the format is AutoCAD's "DXF Reference"; entities lie in the plane z = 0.
@@ -149,25 +157,24 @@ class DxfReader {
   // A negative colour switches a layer off; bit 0 of its flags freezes it.
   void layer(const Entity& e) {
     const bool is_frozen = (static_cast<int>(value(e, 70, 0.0)) & 1) != 0;
-    if (value(e, 62, 7.0) < 0.0 || is_frozen) off_layers_.insert(text_of(e, 2));
+    if (value(e, 62, 7.0) < 0.0 || is_frozen) off_layers_.insert(upper_case(text_of(e, 2)));
   }
 
   void take(const Entity& e) {
     if (e.kind == "SECTION") return;
     if (e.kind == "VERTEX" && polyline_) return vertex(e);
     if (e.kind == "SEQEND" && polyline_) return end_polyline();
-    const bool is_shown = !off_layers_.contains(text_of(e, 8)) && value(e, 60, 0.0) == 0.0 && value(e, 67, 0.0) == 0.0;
+    const bool is_shown =
+        !off_layers_.contains(upper_case(text_of(e, 8))) && value(e, 60, 0.0) == 0.0 && value(e, 67, 0.0) == 0.0;
     if (e.kind == "POLYLINE") {
       begin_polyline(e, is_shown);
       return;
     }
     if (!is_shown) return;
-    const double extrusion = value(e, 230, 1.0);
-    if (std::abs(std::abs(extrusion) - 1.0) > 1e-6)
-      fail(e.line, fmt::format("{} lies in a plane that is tilted; draw the outline in the plane z = 0", e.kind));
-    flip_ = extrusion < 0.0 ? -1.0 : 1.0;
+    take_plane(e);
     has_curves_ = true;
     if (e.kind == "LINE") {
+      if (unit_mm_ * std::abs(value(e, 30, 0.0) - value(e, 31, 0.0)) > kJoined_mm) fail_tilted(e.line, e.kind);
       outline_.move_to(unit_mm_ * Vec2(value(e, 10), value(e, 20)));
       outline_.line_to(unit_mm_ * Vec2(value(e, 11), value(e, 21)));
     } else if (e.kind == "LWPOLYLINE") {
@@ -189,6 +196,15 @@ class DxfReader {
       unread_.insert(e.kind);
     }
     had_curves_ = has_curves_;
+  }
+
+  void take_plane(const Entity& e) {
+    const double extrusion = value(e, 230, 1.0);
+    if (std::abs(std::abs(extrusion) - 1.0) > 1e-6) fail_tilted(e.line, e.kind);
+    flip_ = extrusion < 0.0 ? -1.0 : 1.0;
+  }
+  [[noreturn]] void fail_tilted(std::size_t line, const std::string& kind) const {
+    fail(line, fmt::format("{} lies in a plane that is tilted; draw the outline in the plane z = 0", kind));
   }
 
   // Coordinates of plane entities are those of a system whose x turns with the extrusion.
@@ -228,12 +244,15 @@ class DxfReader {
   void begin_polyline(const Entity& e, bool is_shown) {
     constexpr int kClosed = 1, kMeshes = 16 | 64;
     const int flags = static_cast<int>(value(e, 70, 0.0));
-    flip_ = value(e, 230, 1.0) < 0.0 ? -1.0 : 1.0;
     polyline_ = OpenPolyline{{}, (flags & kClosed) != 0, is_shown && (flags & kMeshes) == 0};
+    if (polyline_->is_shown) take_plane(e);
   }
   void vertex(const Entity& e) {
     constexpr int kControlPoint = 16;  // Of a curve that was fitted; the curve's own points follow.
     if ((static_cast<int>(value(e, 70, 0.0)) & kControlPoint) != 0) return;
+    const double z = value(e, 30, 0.0);
+    if (polyline_->corners.empty()) polyline_->z = z;
+    if (polyline_->is_shown && unit_mm_ * std::abs(z - polyline_->z) > kJoined_mm) fail_tilted(e.line, "POLYLINE");
     polyline_->corners.push_back({plane(value(e, 10), value(e, 20)), flip_ * value(e, 42, 0.0)});
   }
   void end_polyline() {
@@ -266,7 +285,7 @@ class DxfReader {
 
   // De Boor's algorithm at places that are dense enough for the largest second difference of the control points.
   void spline(const Entity& e) {
-    const std::vector<double> x = values(e, 10), y = values(e, 20), knots = values(e, 40);
+    const std::vector<double> x = values(e, 10), y = values(e, 20), z = values(e, 30), knots = values(e, 40);
     std::vector<double> weights = values(e, 41);
     const auto degree = static_cast<std::size_t>(value(e, 71));
     if (x.empty()) fail(e.line, "a SPLINE has fit points only; export it with its control points");
@@ -274,6 +293,7 @@ class DxfReader {
         knots.size() != x.size() + degree + 1 || !std::ranges::is_sorted(knots))
       fail(e.line, "a SPLINE is not whole");
     if (weights.size() != x.size()) weights.assign(x.size(), 1.0);
+    if (!z.empty() && unit_mm_ * (std::ranges::max(z) - std::ranges::min(z)) > kJoined_mm) fail_tilted(e.line, e.kind);
     std::vector<Vec2> points;
     for (std::size_t k = 0; k < x.size(); ++k) points.push_back(unit_mm_ * Vec2(x[k], y[k]));
     const auto at = [&](std::size_t span, double t) -> Vec2 {
@@ -324,11 +344,13 @@ class DxfReader {
   struct OpenPolyline {
     std::vector<Corner> corners;
     bool is_closed = false, is_shown = true;
+    double z = 0.0;  // of its first corner, in the drawing's unit
   };
   const std::string& name_;
   Outline outline_;
   std::vector<Group> groups_;
-  std::set<std::string> off_layers_, unread_;
+  std::set<std::string> off_layers_{"DEFPOINTS"};  // Points of dimensions lie on it; it is never plotted.
+  std::set<std::string> unread_;
   std::optional<OpenPolyline> polyline_;
   double unit_mm_ = 1.0, flip_ = 1.0;
   bool has_curves_ = false, had_curves_ = false;

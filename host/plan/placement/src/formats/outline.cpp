@@ -47,7 +47,8 @@ void Outline::arc(const Vec2& middle, const Vec2& u, const Vec2& v, double from_
 std::vector<std::vector<Vec2>> Outline::joined() {
   std::vector<std::vector<Vec2>> rings, open;
   for (Path& path : paths_) {
-    if (path.points.size() < 2) continue;
+    // A point alone, or a line of no length, as a stray click leaves it.
+    if (std::ranges::all_of(path.points, [&](const Vec2& p) { return p == path.points.front(); })) continue;
     const bool is_ring =
         path.is_closed || (path.points.size() > 2 && (path.points.front() - path.points.back()).norm() <= kJoined_mm);
     (is_ring ? rings : open).push_back(std::move(path.points));

@@ -52,13 +52,14 @@ class Outline {
 };
 
 /// Reads the outline of a text DXF (lines, polylines with bulges, circles, arcs, ellipses, splines) in its unit
-/// ($INSUNITS; mm without one). Layers that are off or frozen, invisible entities, paper space and annotations are left
-/// out. Errors: InputError naming `name` and the line.
+/// ($INSUNITS; mm without one). Layers that are off or frozen, the layer Defpoints, invisible entities, paper space and
+/// annotations are left out, curves that leave a plane z = constant refused. Errors: InputError naming `name` and the
+/// line.
 [[nodiscard]] Polygon polygon_of_dxf(const std::string& text, const std::string& name);
 
 /// Reads the outline of an SVG (paths and basic shapes with their transforms), in the unit of its width and viewBox (96
-/// px an inch without one), with y up. What is not displayed is left out. Errors: InputError naming `name` and the
-/// element.
+/// px an inch without both), with y up. What is not displayed or not painted is left out; style sheets that hide or
+/// move, clip paths, masks and entities are refused. Errors: InputError naming `name` and the element.
 [[nodiscard]] Polygon polygon_of_svg(const std::string& text, const std::string& name);
 
 template <class Place>

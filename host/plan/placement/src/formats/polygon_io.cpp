@@ -386,8 +386,11 @@ std::vector<Polygon> parse_polygons(const std::string& text, const std::string& 
   const std::optional<FileKind> kind = text[first] == '{' ? std::nullopt : file_kind(text);
   if (kind && kind->what == "a DXF drawing") return {valid_polygon(polygon_of_dxf(text, name), name)};
   if (kind && kind->what == "an SVG drawing") return {valid_polygon(polygon_of_svg(text, name), name)};
-  if (kind && kind->use != FileUse::kOutline) fail(name, "is " + not_asked_for(text, FileUse::kOutline));
-  if (text[first] != '{') return {valid_polygon(WktReader(text, name).read(), name)};
+  if (text[first] != '{') {
+    const std::string other = not_asked_for(text, FileUse::kOutline);
+    if (!other.empty()) fail(name, "is " + other);
+    return {valid_polygon(WktReader(text, name).read(), name)};
+  }
   const json document = design::parse_json(text.substr(first), name);
   if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);
   return {valid_polygon(from_geojson(document, name), name)};

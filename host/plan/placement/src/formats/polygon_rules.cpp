@@ -123,9 +123,11 @@ class Rules {
       if (e.ring != f.ring || !follows(e, f)) touch(e, f, shared.front());
       return;
     }
-    if (e.ring != f.ring) fail(fmt::format("{} and {} lie on each other", at(e), at(f)));
+    if (e.ring != f.ring)
+      fail(fmt::format("{} and {} lie on each other; draw each line once, and holes away from the outer ring", at(e),
+                       at(f)));
     const char* what = follows(e, f) ? "goes back along" : "lies on";
-    fail(fmt::format("{} {} {}: the ring is traced twice there", at(f), what, at(e)));
+    fail(fmt::format("{} {} {}: the ring is traced twice there; delete the doubled line", at(f), what, at(e)));
   }
 
   void touch(const Edge& e, const Edge& f, const Vec2& point) {

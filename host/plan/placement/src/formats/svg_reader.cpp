@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <charconv>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <sstream>
@@ -70,6 +72,11 @@ std::string local_name(const std::string& name) {
 class SvgReader {
  public:
   SvgReader(const std::string& text, const std::string& name) : name_(name), outline_(name) {
+    if (text.find("<!ENTITY") != std::string::npos)
+      throw InputError(
+          name_ +
+          ": is an SVG with entities (<!ENTITY …>), which are not read; save it as plain SVG (Illustrator: "
+          "without \"Preserve Illustrator Editing Capabilities\")");
     std::istringstream in(text);
     try {
       boost::property_tree::read_xml(in, document_);
@@ -79,9 +86,13 @@ class SvgReader {
   }
 
   Polygon read() {
+    collect(document_);
     for (const auto& [tag, element] : document_) {
       if (local_name(tag) != "svg") continue;
-      children(element, to_mm(element), 0);
+      page_ = to_mm(element);
+      view_box_ = attribute(element, "viewBox");
+      refuse_cut("svg", element, page_);
+      children(element, page_, paint_of(element, {}), 0);
     }
     return outline_.polygon();
   }
@@ -93,6 +104,131 @@ class SvgReader {
 
   static std::string attribute(const ptree& element, const char* name) {
     return element.get<std::string>(ptree::path_type(std::string("<xmlattr>|") + name, '|'), "");
+  }
+
+  // The value of a property: one in the style counts before the attribute (SVG 2, 6.6).
+  static std::string property(const ptree& element, const char* name) {
+    const std::string style = attribute(element, "style");
+    std::string value = attribute(element, name);
+    for (std::string_view rest = style; !rest.empty();) {
+      const std::size_t end = rest.find(';');
+      const auto [key, given] = declaration(rest.substr(0, end));
+      if (key == name) value = given;
+      rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    }
+    return value;
+  }
+  // "display: none !important" in two.
+  static std::pair<std::string_view, std::string_view> declaration(std::string_view text) {
+    const auto trimmed = [](std::string_view s) {
+      const std::size_t from = s.find_first_not_of(" \t\r\n");
+      return from == std::string_view::npos ? std::string_view()
+                                            : s.substr(from, s.find_last_not_of(" \t\r\n") + 1 - from);
+    };
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) return {};
+    const std::string_view value = text.substr(colon + 1);
+    return {trimmed(text.substr(0, colon)), trimmed(value.substr(0, value.find('!')))};
+  }
+  static bool is_zero(std::string_view text) {
+    double value = 1.0;
+    (void)std::from_chars(text.data(), text.data() + text.size(), value);
+    return value == 0.0;
+  }
+
+  // Style sheets and clip paths may stand anywhere.
+  void collect(const ptree& parent) {
+    for (const auto& [tag, element] : parent) {
+      const std::string name = local_name(tag);
+      if (name == "style") {
+        std::string sheet = element.data();
+        for (const auto& [inner, comment] : element)
+          if (inner == "<xmlcomment>") sheet += comment.data();
+        judge_sheet(std::move(sheet));
+      }
+      if (name == "clipPath") clips_["url(#" + attribute(element, "id") + ")"] = &element;
+      if (tag != "<xmlattr>") collect(element);
+    }
+  }
+
+  // What a sheet hides, moves or cuts cannot be left unread.
+  void judge_sheet(std::string sheet) {
+    for (std::size_t from = sheet.find("/*"); from != std::string::npos; from = sheet.find("/*")) {
+      const std::size_t end = sheet.find("*/", from + 2);
+      sheet.erase(from, end == std::string::npos ? end : end + 2 - from);
+    }
+    const std::string_view text = sheet;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find_first_of("{};", at), text.size());
+      const auto [key, value] = declaration(text.substr(at, end - at));
+      const bool is_selector = end < text.size() && text[end] == '{';
+      at = end + 1;
+      if (is_selector) continue;
+      paints_by_sheet_ = paints_by_sheet_ || key.starts_with("fill") || key.starts_with("stroke");
+      const bool hides = (key == "display" && value == "none") ||
+                         (key == "visibility" && (value == "hidden" || value == "collapse")) ||
+                         (key == "opacity" && is_zero(value));
+      const bool changes = key == "transform" || key == "translate" || key == "rotate" || key == "scale" ||
+                           key == "clip-path" || key == "mask";
+      if (hides || (changes && value != "none"))
+        fail("style", fmt::format("the style sheet sets \"{}: {}\", which is not read; save the drawing with inline "
+                                  "styles (Illustrator: Styling \"Inline Style\"), or delete what is hidden",
+                                  key, value.substr(0, 30)));
+    }
+  }
+
+  void refuse_cut(const std::string& where, const ptree& element, const Eigen::Affine2d& place) const {
+    for (const char* key : {"transform", "translate", "rotate", "scale"}) {
+      // The attribute "transform" is read, and "rotate" belongs to texts.
+      const std::string value = property(element, key);
+      if (!value.empty() && value != "none" && value != attribute(element, key))
+        fail(where, fmt::format("its style sets \"{}: {}\", which is not read; write it as the attribute transform",
+                                key, value.substr(0, 30)));
+    }
+    for (const char* key : {"clip-path", "mask"}) {
+      const std::string value = property(element, key);
+      if (!value.empty() && value != "none" && !is_whole_page(value, place))
+        fail(where,
+             fmt::format("is cut by a {}, which is not read; release it, and cut the shape itself (Inkscape: Path "
+                         "> Intersection)",
+                         key));
+    }
+  }
+  // LibreOffice and converters of PDF clip all to a rectangle as large as the drawing.
+  [[nodiscard]] bool is_whole_page(const std::string& clip, const Eigen::Affine2d& place) const {
+    const auto found = clips_.find(clip);
+    if (found == clips_.end() || !place.isApprox(page_)) return false;
+    const ptree& path = *found->second;
+    Numbers box(view_box_);
+    const auto x = box.number(), y = box.number(), w = box.number(), h = box.number();
+    const auto rect = path.find("rect");
+    if (!x || !y || !w || !h || rect == path.not_found() || path.count("rect") != 1) return false;
+    const bool is_plain = attribute(path, "clipPathUnits") != "objectBoundingBox" &&
+                          attribute(path, "transform").empty() && attribute(path, "clip-path").empty() &&
+                          attribute(rect->second, "transform").empty() && attribute(rect->second, "style").empty() &&
+                          attribute(rect->second, "rx").empty() && attribute(rect->second, "ry").empty();
+    if (!is_plain) return false;
+    const double left = number(rect->second, "x", "rect"), top = number(rect->second, "y", "rect");
+    return left <= *x && top <= *y && left + number(rect->second, "width", "rect", {}) >= *x + *w &&
+           top + number(rect->second, "height", "rect", {}) >= *y + *h;
+  }
+
+  // What paints a shape, as groups hand it down (SVG 2, 13): fill, stroke, and the opacity of each.
+  using Paint = std::array<std::string, 4>;
+  static Paint paint_of(const ptree& element, Paint paint) {
+    constexpr std::array<const char*, 4> kNames{"fill", "stroke", "fill-opacity", "stroke-opacity"};
+    for (std::size_t k = 0; k < paint.size(); ++k) {
+      const std::string own = property(element, kNames[k]);
+      if (!own.empty() && own != "inherit") paint[k] = own;
+    }
+    return paint;
+  }
+  // Both must be switched off by name: many draw outlines without a stroke's colour.
+  [[nodiscard]] bool is_painted(const Paint& paint) const {
+    const auto is_off = [&](std::size_t k) {
+      return paint[k] == "none" || paint[k] == "transparent" || is_zero(paint[k + 2]);
+    };
+    return paints_by_sheet_ || !is_off(0) || !is_off(1);
   }
 
   // A length in mm; nothing for one in per cent or without a number.
@@ -120,15 +256,21 @@ class SvgReader {
     Numbers box(view_box);
     const auto x = box.number(), y = box.number(), w = box.number(), h = box.number();
     if (x && y && w && h && *w > 0.0 && *h > 0.0) {
-      // preserveAspectRatio: the smaller scale holds in both directions.
-      double scale = kPx_mm;
-      if (width && height)
-        scale = std::min(*width / *w, *height / *h);
-      else if (width)
-        scale = *width / *w;
-      else if (height)
-        scale = *height / *h;
-      place.scale(Vec2(scale, -scale));
+      if (!width && !height)
+        fail("svg",
+             "does not say how large it is; give it width and height in mm, width=\"150mm\" say, beside its "
+             "viewBox");
+      const double across = width ? *width / *w : *height / *h, up = height ? *height / *h : across;
+      const std::string fit = attribute(svg, "preserveAspectRatio");
+      if (fit.find("slice") != std::string::npos && std::abs(across - up) > 1e-9 * across)
+        fail("svg",
+             "preserveAspectRatio=\"… slice\" cuts the drawing at its edge, which is not read; give width and "
+             "height the ratio of the viewBox");
+      // The smaller scale holds in both directions, unless each has its own.
+      if (fit.starts_with("none"))
+        place.scale(Vec2(across, -up));
+      else
+        place.scale(std::min(across, up) * Vec2(1.0, -1.0));
       place.translate(Vec2(-*x, -*y - *h));
     } else {
       place.scale(Vec2(kPx_mm, -kPx_mm));
@@ -184,30 +326,31 @@ class SvgReader {
   }
 
   static bool is_displayed(const ptree& element) {
-    std::string style = attribute(element, "style");
-    std::erase(style, ' ');
-    const std::size_t opacity = style.find("opacity:0");  // also of fill and stroke: neither is shown
-    const bool is_clear = attribute(element, "opacity") == "0" ||
-                          (opacity != std::string::npos && (opacity == 0 || style[opacity - 1] == ';') &&
-                           style.find_first_not_of("0.", opacity + 8) == style.find_first_of(";", opacity));
-    return !is_clear && attribute(element, "display") != "none" && style.find("display:none") == std::string::npos &&
-           attribute(element, "visibility") != "hidden" && style.find("visibility:hidden") == std::string::npos;
+    const std::string visibility = property(element, "visibility");
+    return !is_zero(property(element, "opacity")) && property(element, "display") != "none" && visibility != "hidden" &&
+           visibility != "collapse";
   }
 
-  void children(const ptree& parent, const Eigen::Affine2d& place, int depth) {
+  void children(const ptree& parent, const Eigen::Affine2d& place, const Paint& inherited, int depth) {
     if (depth > kMaxDepth) fail("g", "groups are nested too deeply");
     for (const auto& [tag, element] : parent) {
       const std::string name = local_name(tag);
-      if (!is_displayed(element)) continue;
-      const Eigen::Affine2d own =
-          name == "<xmlattr>" || name == "<xmlcomment>" ? place : place * transform_of(element, name);
-      if (name == "g" || name == "a" || name == "switch") children(element, own, depth + 1);
+      if (name == "<xmlattr>" || name == "<xmlcomment>" || !is_displayed(element)) continue;
+      const bool is_group = name == "g" || name == "a" || name == "switch";
+      const bool is_round = name == "circle" || name == "ellipse";
+      const bool is_straight = name == "polygon" || name == "polyline" || name == "line";
       if (name == "svg" || name == "use")
         fail(name, "a drawing within the drawing is not read; ungroup it (in Inkscape: unlink clones)");
+      if (!is_group && !is_round && !is_straight && name != "path" && name != "rect") continue;
+      const Paint paint = paint_of(element, inherited);
+      if (!is_group && !is_painted(paint)) continue;
+      refuse_cut(name, element, place);
+      const Eigen::Affine2d own = place * transform_of(element, name);
+      if (is_group) children(element, own, paint, depth + 1);
       if (name == "path") path(element, own);
       if (name == "rect") rectangle(element, own);
-      if (name == "circle" || name == "ellipse") round(name, element, own);
-      if (name == "polygon" || name == "polyline" || name == "line") straight(name, element, own);
+      if (is_round) round(name, element, own);
+      if (is_straight) straight(name, element, own);
     }
   }
 
@@ -378,6 +521,10 @@ class SvgReader {
   const std::string& name_;
   Outline outline_;
   ptree document_;
+  Eigen::Affine2d page_ = Eigen::Affine2d::Identity();
+  std::string view_box_;
+  std::map<std::string, const ptree*> clips_;  // by the reference to them: url(#id)
+  bool paints_by_sheet_ = false;
 };
 
 }  // namespace

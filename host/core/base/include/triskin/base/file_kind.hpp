@@ -37,8 +37,8 @@ struct FileKind {
 /// known. Sources are the definitions of the formats. Cost: constant, for an archive linear in its entries.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view bytes);
 
-/// Recognises a part that some command reads, which file_kind() leaves out, for one who gave it in place of a design;
-/// empty for anything else.
+/// Recognises a part that some command reads, which file_kind() leaves out, for one who gave it in place of a design
+/// or an outline; empty for anything else.
 [[nodiscard]] std::optional<FileKind> part_kind(std::string_view bytes);
 
 /// "a FreeCAD document; export the part as STEP, or as a mesh (STL, OBJ, 3MF)": what a file is, and the next step for
