@@ -78,6 +78,13 @@ TEST(ModuleNumber, names_modules_in_the_file) {
   EXPECT_EQ(again.layout.modules[1].neighbour, (std::array{2, -1, 0}));
   EXPECT_EQ(again.patches[1].modules[1].parent, 3);
   EXPECT_NE(again.design_id, test::strip(5, 3).design_id);
+  Design older = strip_of_five();
+  older.next_number = 7;  // The next module would get the number that one once had.
+  EXPECT_NE(design_id_of(older), again.design_id);
+  older.next_number = 0;  // This means the same.
+  const std::uint64_t without = design_id_of(older);
+  older.next_number = 7;
+  EXPECT_EQ(design_id_of(older), without);
 }
 
 TEST(ModuleNumber, of_a_damaged_file_is_refused) {

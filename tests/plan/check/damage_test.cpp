@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A real design must pass, and the rule for each kind of damage must reject it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -308,6 +309,12 @@ void renumber(json& j, int from, int to) {
     for (json& m : p["modules"]) change(m);
     for (json& joint : p["cut_joints"])
       for (json& m : joint) change(m);
+    for (json& failure : p["failures"]) {
+      change(failure["module"]);
+      change(failure["other"]);
+      for (json& joint : failure["backup"])
+        for (json& m : joint) change(m);
+    }
   }
 }
 
@@ -320,8 +327,47 @@ TEST_F(Damage, numbers_of_modules) {
   expect("module-number", [&](json& j) { renumber(j, 0, last + 10); });  // It is no longer the smallest.
   expect("module-number", [&](json& j) { renumber(j, last, last - 1); });
   EXPECT_THAT(broken_by([&](json& j) { j["next_module"] = last + 1; }), testing::IsEmpty());
+  // Numbers above the last one are those of modules that are gone: taking them for new ones changes the id.
+  EXPECT_THAT(broken_by([&](json& j) { j["next_module"] = last + 2; }), testing::ElementsAre("design-id"));
   expect("module-number", [&](json& j) { j["next_module"] = last; });
-  EXPECT_THROW((void)broken_by([&](json& j) { j["patches"][0]["entry"] = last + 1; }), InputError);
+  // What follows from a doubled number stands behind it.
+  EXPECT_EQ(broken_by([&](json& j) {
+              j["modules"][2]["id"] = 1;
+              renumber(j, 2, 1);
+            }).front(),
+            "module-number");
+}
+
+TEST_F(Damage, what_cannot_be_read_is_said_with_its_place) {
+  const int last = static_cast<int>((*good_)["modules"].size()) - 1;
+  const auto error_of = [&](const std::function<void(json&)>& damage) {
+    try {
+      (void)broken_by(damage);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  const auto expect_error = [&](const std::string& part, const std::function<void(json&)>& damage) {
+    EXPECT_THAT(error_of(damage), testing::HasSubstr(part));
+  };
+  const std::string none = fmt::format("names module {}, which the design does not have", last + 5);
+  expect_error("damaged.json: /patches/0/entry: " + none, [&](json& j) { j["patches"][0]["entry"] = last + 5; });
+  expect_error("/patches/0/cut_joints/0/1: " + none, [&](json& j) { j["patches"][0]["cut_joints"] = {{0, last + 5}}; });
+  expect_error("/patches/0/failures/0/module: " + none,
+               [&](json& j) { j["patches"][0]["failures"][0]["module"] = last + 5; });
+  expect_error("/patches/0/failures/1/backup/0/1: " + none,
+               [&](json& j) { j["patches"][0]["failures"][1]["backup"] = {{0, last + 5}}; });
+  expect_error("/modules/3/id: must be a whole number, is 1.5", [](json& j) { j["modules"][3]["id"] = 1.5; });
+  expect_error("/modules/3/id: must lie in ±9e+06, is 1e+20", [](json& j) { j["modules"][3]["id"] = 1e20; });
+  expect_error("damaged.json: /modules/0/id: module-number: is -1; numbers of modules ascend from 0",
+               [](json& j) { j["modules"][0]["id"] = -1; });
+  // The last module has another place than number.
+  expect_error(fmt::format("module {}: /modules/{}/corners: must be a list of 3, has 2", last + 10, last),
+               [&](json& j) {
+                 renumber(j, last, last + 10);
+                 j["modules"].back()["corners"].erase(0);
+               });
 }
 
 TEST_F(Damage, what_is_not_a_design_ends_with_the_file_named) {

@@ -10,7 +10,6 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/text_file.hpp"
-#include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -51,6 +50,14 @@ DesignArgument find_design(const std::string& argument) {
       fmt::format("{}: none of the {} *.json in this folder is the design {:016x}; go to the folder that holds it, or "
                   "name the file",
                   argument, counted(files.size(), "file"), code->design_id));
+}
+
+void say_if_changed(const design::Design& design, const std::string& file, const Output& output) {
+  if (design::design_id_of(design) == design.design_id) return;
+  output.say(
+      fmt::format("{} was changed outside of triskin: its modules and wiring no longer match its id, {:016x}, and it "
+                  "cannot be flashed; triskin check says what is wrong",
+                  file, design.design_id));
 }
 
 }  // namespace triskin::cli

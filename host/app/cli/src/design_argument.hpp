@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "command.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/sheet/page_code.hpp"
 
 namespace triskin::cli {
@@ -17,5 +19,8 @@ struct DesignArgument {
 /// is searched among the files *.json of the current folder, in the order of their names. Throws InputError for a text
 /// that begins like a code but is invalid, and when no file there is the design. Cost: reads these files.
 [[nodiscard]] DesignArgument find_design(const std::string& argument);
+
+/// Says if the design of this file does not match its id, for a command that takes it all the same.
+void say_if_changed(const design::Design& design, const std::string& file, const Output& output);
 
 }  // namespace triskin::cli

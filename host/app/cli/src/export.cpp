@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "design_argument.hpp"
 #include "recorded_track.hpp"
 #include "shown_design.hpp"
 #include "triskin/base/error.hpp"
@@ -150,7 +151,9 @@ int run(const Options& options, Output& output) {
     if (path == "-") throw InputError("export: a robot has a sheet for each cover; give -o a file");
     files = write_sheets(options, format, path);
   } else {
-    write_output(path, format.write(robot::read_shown(options.design), options));
+    const design::Design design = robot::read_shown(options.design);
+    if (!robot::is_robot_file(options.design)) say_if_changed(design, options.design, output);
+    write_output(path, format.write(design, options));
   }
   output.result = {{"files", files}};
   for (const std::string& file : files) output.say(file);

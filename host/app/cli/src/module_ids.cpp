@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -26,6 +27,7 @@ bool read_number(std::string_view text, int low, int& number) {
 std::vector<layout::ModuleId> modules_named(const design::Design& design, const std::string& option,
                                             const std::string& text) {
   std::vector<layout::ModuleId> ids;
+  std::set<int> missing;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::size_t dash = part.find('-', 1);
@@ -38,14 +40,17 @@ std::vector<layout::ModuleId> modules_named(const design::Design& design, const 
       throw InputError(
           fmt::format("{}: \"{}\" is not understood; give modules and ranges of them, as 3,7-9", option, part));
     }
-    try {
-      ids.push_back(design::require_module(design, {first}));
-      if (last == first) continue;
-      const layout::ModuleId end = design::require_module(design, {last});
-      while (ids.back() < end) ids.emplace_back(ids.back() + 1);
-    } catch (const InputError& e) {
-      throw InputError(fmt::format("{}: {}", option, e.what()));
+    const layout::ModuleId begin = design::module_with(design, {first}), end = design::module_with(design, {last});
+    for (layout::ModuleId id = begin; begin >= 0 && id <= end; ++id) ids.push_back(id);
+    for (int number = first; (begin < 0 || end < 0) && number <= last; ++number) {
+      if (design::module_with(design, {number}) < 0) missing.insert(number);
     }
+  }
+  if (!missing.empty()) {
+    throw InputError(fmt::format("{}: there {} {}; the design has {}", option,
+                                 missing.size() == 1 ? "is no module" : "are no modules",
+                                 design::ranges_text(std::vector(missing.begin(), missing.end())),
+                                 design::ranges_text(design::all_numbers(design.layout))));
   }
   return ids;
 }

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <bit>
 
+#include "triskin/design/module_number.hpp"
+
 namespace triskin::design {
 namespace {
 
@@ -122,6 +124,8 @@ std::uint64_t design_id_of(const Design& design) {
   if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
   if (!design.kinds.empty()) add_kinds(design, hash);
   for (const int number : design.layout.numbers) hash.add(number);
+  const std::vector<int> numbers = all_numbers(design.layout);
+  if (!numbers.empty() && design.next_number > numbers.back() + 1) hash.add(design.next_number);
   return hash.value();
 }
 

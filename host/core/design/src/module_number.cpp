@@ -58,6 +58,17 @@ int next_number(const Design& design) {
   return std::max(design.next_number, above_last);
 }
 
+void require_fitting_number(const Design& design, int number) {
+  const bool has_kinds = !design.kinds.empty();
+  const int max = has_kinds ? kMaxModuleNumberWithKinds : kMaxModuleNumber;
+  if (number > max) {
+    throw InputError(
+        fmt::format("The numbers of modules end at {}{}, and those of modules that are gone are not given again; make "
+                    "the design anew with triskin design",
+                    max, has_kinds ? " where there are kinds" : ""));
+  }
+}
+
 std::string ranges_text(std::span<const int> numbers) {
   std::string text;
   for (std::size_t k = 0; k < numbers.size();) {

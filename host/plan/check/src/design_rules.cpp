@@ -88,8 +88,11 @@ void check_numbers(const CheckedDesign& d, Findings& f) {
     if (k > 0 && number <= d.modules[k - 1].number)
       f.broken("module-number", d.name(k), fmt::format("stands after {}; numbers ascend", d.name(k - 1)));
   }
-  if (d.next_module >= 0 && !d.modules.empty() && d.next_module <= d.modules.back().number)
-    f.broken("module-number", "design", fmt::format("the next module would get {}, which is in use", d.next_module));
+  if (d.next_module >= 0 && !d.modules.empty() && d.next_module <= d.modules.back().number) {
+    f.broken("module-number", "design",
+             fmt::format("next_module is {}, the last module has {}; the next number lies above all that were given",
+                         d.next_module, d.modules.back().number));
+  }
 }
 
 // A controller whose id matches is not flashed again, so an id that belongs to other modules would leave it unchanged.
@@ -127,10 +130,11 @@ void check_id(const CheckedDesign& d, Findings& f) {
   for (std::size_t m = 0; !d.kinds.empty() && m < d.modules.size(); ++m) fnv.add(kind_number(d, d.modules[m].kind));
   const bool has_gaps = !d.modules.empty() && d.modules.back().number != static_cast<int>(d.modules.size()) - 1;
   for (std::size_t m = 0; has_gaps && m < d.modules.size(); ++m) fnv.add(d.modules[m].number);
+  if (!d.modules.empty() && d.next_module > d.modules.back().number + 1) fnv.add(d.next_module);
   if (fnv.value() != d.design_id) {
     f.broken("design-id", "design",
-             fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id,
-                         fnv.value()));
+             fmt::format("states {:016x}, its modules, their numbers and wiring have {:016x}: the file was changed",
+                         d.design_id, fnv.value()));
   }
 }
 
@@ -143,7 +147,6 @@ int kind_number(const CheckedDesign& d, const std::string& name) {
 }
 
 void check_report(const CheckedDesign& d, Findings& f) {
-  check_numbers(d, f);
   check_id(d, f);
   for (const char* rule : {"report-area", "report-coverage", "report-maxima", "report-bound"}) f.rule(rule);
   double area = 0.0;
@@ -189,6 +192,7 @@ DesignReport check_design_text(const std::string& text, const std::string& name)
   report.modules = design.modules.size();
   Findings findings(report);
   check_limits(design.limits, !design.jumpers.empty(), report, findings);
+  check_numbers(design, findings);  // A wrong number makes other rules fail.
   check_modules(design, findings);
   check_surface(design, findings);
   check_side(design, findings);

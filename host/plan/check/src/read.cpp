@@ -26,107 +26,159 @@ std::string shown(const json& j) {
   return j.dump().substr(0, 40);
 }
 
+std::string place(const std::string& path) {
+  return path.empty() ? "top level" : path;
+}
+
+// A value of the file and its place there, as /modules/3/id.
+class Value {
+ public:
+  Value(const json& value, std::string path) : value_(&value), path_(std::move(path)) {}
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}", place(path_), what)); }
+  [[nodiscard]] const json& raw() const { return *value_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] bool contains(const char* key) const { return value_->contains(key); }
+  [[nodiscard]] Value at(const char* key) const {
+    if (!value_->is_object()) fail(fmt::format("must be an object, is {}", shown(*value_)));
+    const auto found = value_->find(key);
+    if (found == value_->end())
+      fail(fmt::format("key \"{}\" is missing; make the design again with triskin design", key));
+    return {*found, path_ + '/' + key};
+  }
+  [[nodiscard]] std::size_t size() const {
+    if (!value_->is_array()) fail(fmt::format("must be a list, is {}", shown(*value_)));
+    return value_->size();
+  }
+  [[nodiscard]] Value item(std::size_t k) const { return {value_->at(k), path_ + '/' + std::to_string(k)}; }
+  [[nodiscard]] std::string text() const {
+    if (!value_->is_string()) fail(fmt::format("must be a text, is {}", shown(*value_)));
+    return value_->get<std::string>();
+  }
+  [[nodiscard]] bool boolean() const {
+    if (!value_->is_boolean()) fail(fmt::format("must be true or false, is {}", shown(*value_)));
+    return value_->get<bool>();
+  }
+
+ private:
+  const json* value_;
+  std::string path_;
+};
+
 // A double still resolves 2 µm there, and no micrometre in a design id exceeds 64 bits.
 constexpr double kMaxNumber = 1e10;
 
 // JSON converts a number to any requested type, whether it fits or not.
-double number(const json& j) {
-  if (!j.is_number()) throw InputError(fmt::format("{} must be a number", shown(j)));
-  const double value = j.get<double>();
-  if (!(std::abs(value) <= kMaxNumber)) throw InputError(fmt::format("{} is outside ±{:g}", shown(j), kMaxNumber));
+double number(const Value& v) {
+  if (!v.raw().is_number()) v.fail(fmt::format("must be a number, is {}", shown(v.raw())));
+  const double value = v.raw().get<double>();
+  if (!(std::abs(value) <= kMaxNumber)) v.fail(fmt::format("must lie in ±{:g}, is {}", kMaxNumber, shown(v.raw())));
   return value;
 }
-int integer(const json& j) {
-  if (!j.is_number_integer()) throw InputError(fmt::format("{} must be a whole number", shown(j)));
+int integer(const Value& v) {
+  const json& j = v.raw();
+  if (!j.is_number_integer()) v.fail(fmt::format("must be a whole number, is {}", shown(j)));
   const bool fits = j.is_number_unsigned() ? j.get<std::uint64_t>() <= std::uint64_t{kMaxCount}
                                            : j.get<std::int64_t>() >= -std::int64_t{kMaxCount};
-  if (!fits) throw InputError(fmt::format("{} is outside ±{}", shown(j), kMaxCount));
+  if (!fits) v.fail(fmt::format("must lie in ±{}, is {}", kMaxCount, shown(j)));
   return j.get<int>();
+}
+int bounded(const Value& v, int low, int high) {
+  const int value = integer(v);
+  if (value < low || value > high) v.fail(fmt::format("must lie in {} … {}, is {}", low, high, value));
+  return value;
+}
+// Reads the index of an element of a list of `n`.
+auto index_below(std::size_t n) {
+  return [n](const Value& v) { return bounded(v, 0, static_cast<int>(n) - 1); };
 }
 
 // A list of another length is wrong, whatever its beginning is.
-const json& list_of(const json& j, std::size_t n) {
-  if (!j.is_array() || j.size() != n) throw InputError(fmt::format("{} must be a list of {}", shown(j), n));
-  return j;
-}
-
-P2 p2(const json& j) {
-  list_of(j, 2);
-  return {number(j[0]), number(j[1])};
-}
-P3 p3(const json& j) {
-  list_of(j, 3);
-  return {number(j[0]), number(j[1]), number(j[2])};
+const Value& list_of(const Value& v, std::size_t n) {
+  if (v.size() != n) v.fail(fmt::format("must be a list of {}, has {}", n, v.size()));
+  return v;
 }
 
 template <class Read>
-auto all(const json& j, Read read) {
-  std::vector<decltype(read(j))> out;
-  for (const json& item : j) out.push_back(read(item));
+auto all(const Value& v, Read read) {
+  std::vector<decltype(read(v))> out;
+  for (std::size_t k = 0; k < v.size(); ++k) out.push_back(read(v.item(k)));
   return out;
 }
-
-std::array<int, 3> three_ints(const json& j) {
-  list_of(j, 3);
-  return {integer(j[0]), integer(j[1]), integer(j[2])};
-}
-std::array<double, 3> three(const json& j) {
-  list_of(j, 3);
-  return {number(j[0]), number(j[1]), number(j[2])};
+template <class Read>
+auto three_of(const Value& v, Read read) {
+  list_of(v, 3);
+  return std::array{read(v.item(0)), read(v.item(1)), read(v.item(2))};
 }
 
-int bounded(int value, int low, int high, const char* what) {
-  if (value < low || value > high) throw InputError(fmt::format("{} {} is outside {} … {}", what, value, low, high));
-  return value;
+P2 p2(const Value& v) {
+  list_of(v, 2);
+  return {number(v.item(0)), number(v.item(1))};
+}
+P3 p3(const Value& v) {
+  list_of(v, 3);
+  return {number(v.item(0)), number(v.item(1)), number(v.item(2))};
+}
+std::vector<std::array<int, 3>> faces_of(const Value& v, std::size_t n_vertices) {
+  return all(v, [n_vertices](const Value& f) { return three_of(f, index_below(n_vertices)); });
 }
 
 // With short sides nearer to the centre than the long ones, corners are no longer cut.
-double corner_cut(double value) {
-  if (!(value > 0.0 && value <= 10.0)) throw InputError(fmt::format("corner_cut_mm {} is outside 0 … 10", value));
+double corner_cut(const Value& v) {
+  const double value = number(v);
+  if (!(value > 0.0 && value <= 10.0)) v.fail(fmt::format("must be above 0 and at most 10, is {}", value));
   return value;
 }
 
-void read_side(const json& j, CheckedDesign& d) {
-  d.side = j.at("taken").get<std::string>();
-  d.is_side_certain = j.at("certain").get<bool>();
+void read_side(const Value& j, CheckedDesign& d) {
+  d.side = j.at("taken").text();
+  d.is_side_certain = j.at("certain").boolean();
   if (!j.contains("part")) return;
   d.part_vertices = all(j.at("part").at("vertices"), p3);
-  d.part_faces = all(j.at("part").at("faces"), three_ints);
-  for (const auto& f : d.part_faces) {
-    for (const int v : f) bounded(v, 0, static_cast<int>(d.part_vertices.size()) - 1, "vertex of the part");
-  }
+  d.part_faces = faces_of(j.at("part").at("faces"), d.part_vertices.size());
 }
 
-// The file names modules by their numbers. Where one number stands twice, the rule module-number reports it, and the
-// first of both is meant.
+// The file names modules by their numbers. Where they do not ascend, the rule module-number reports it, and of equal
+// ones the first is meant; but where a name then leads nowhere, the number is what has to be mended.
 class ModuleIndex {
  public:
-  explicit ModuleIndex(const json& modules) {
-    for (const json& m : modules) index_.emplace(integer(m.at("id")), next_++);
+  explicit ModuleIndex(const Value& modules) {
+    int last = -1;
+    for (std::size_t k = 0; k < modules.size(); ++k) {
+      const Value id = modules.item(k).at("id");
+      const int number = integer(id);
+      if (number <= last && wrong_number_.empty()) {
+        wrong_number_ = fmt::format("{}: module-number: is {}{}; numbers of modules ascend from 0", id.path(), number,
+                                    k == 0 ? "" : fmt::format(" after {}", last));
+      }
+      index_.emplace(number, static_cast<int>(k));
+      last = number;
+    }
   }
-  [[nodiscard]] int of(const json& number, const char* what) const {
-    const auto found = index_.find(integer(number));
-    if (found == index_.end()) throw InputError(fmt::format("{} {} is no module of the design", what, shown(number)));
-    return found->second;
-  }
-  [[nodiscard]] int of_or_none(const json& number, const char* what) const {
-    return integer(number) == -1 ? -1 : of(number, what);
-  }
+  [[nodiscard]] int of(const Value& v) const { return found(v, ""); }
+  [[nodiscard]] int of_or_none(const Value& v) const { return integer(v) == -1 ? -1 : found(v, ", or -1 for none"); }
 
  private:
+  [[nodiscard]] int found(const Value& v, const char* or_none) const {
+    const auto at = index_.find(integer(v));
+    if (at != index_.end()) return at->second;
+    if (!wrong_number_.empty()) throw InputError(wrong_number_);
+    v.fail(fmt::format("names module {}, which the design does not have; give the id of one of its modules{}",
+                       shown(v.raw()), or_none));
+  }
+
   std::map<int, int> index_;
-  int next_ = 0;
+  std::string wrong_number_;  ///< first place where the numbers do not ascend
 };
 
-CheckedDesign::Module read_module(const json& j, const ModuleIndex& index, bool with_lift) {
+CheckedDesign::Module read_module(const Value& j, const ModuleIndex& index, bool with_lift) {
   CheckedDesign::Module m{};
   m.number = integer(j.at("id"));
   m.island = integer(j.at("island"));
-  m.i = bounded(integer(j.at("i")), -1'000'000, 1'000'000, "lattice coordinate");
-  m.j = bounded(integer(j.at("j")), -1'000'000, 1'000'000, "lattice coordinate");
-  m.up = j.at("up").get<bool>();
-  for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(list_of(j.at("corners"), 3)[k]);
-  for (std::size_t k = 0; k < 3; ++k) m.neighbour[k] = index.of_or_none(list_of(j.at("neighbours"), 3)[k], "neighbour");
+  m.i = bounded(j.at("i"), -1'000'000, 1'000'000);
+  m.j = bounded(j.at("j"), -1'000'000, 1'000'000);
+  m.up = j.at("up").boolean();
+  m.corner = three_of(j.at("corners"), p3);
+  m.neighbour = three_of(j.at("neighbours"), [&](const Value& n) { return index.of_or_none(n); });
   m.beside = m.neighbour;
   m.edge_error = number(j.at("edge_error_mm"));
   m.center_gap = number(j.at("center_gap_mm"));
@@ -135,121 +187,142 @@ CheckedDesign::Module read_module(const json& j, const ModuleIndex& index, bool 
   m.penetration = number(j.at("penetration_mm"));
   m.overrun = number(j.at("overrun_mm"));
   m.bend_radius = number(j.at("bend_radius_mm"));
-  m.hinge_gap = three(j.at("hinge_gap_mm"));
-  m.fold = three(j.at("fold_rad"));
+  m.hinge_gap = three_of(j.at("hinge_gap_mm"), number);
+  m.fold = three_of(j.at("fold_rad"), number);
   m.patch = integer(j.at("patch"));
   m.line = integer(j.at("line"));
   m.address = integer(j.at("address"));
   m.rotation = integer(j.at("rotation"));
-  m.parent = index.of_or_none(j.at("parent"), "parent");
+  m.parent = index.of_or_none(j.at("parent"));
   m.depth = integer(j.at("depth"));
+  const Value taxels = j.at("taxels");
+  list_of(taxels, 12);
   for (std::size_t t = 0; t < 12; ++t) {
-    const json& taxel = list_of(j.at("taxels"), 12)[t];
+    const Value taxel = taxels.item(t);
     m.taxel[t] = p3(taxel.at("position"));
     m.taxel_normal[t] = p3(taxel.at("normal"));
   }
   return m;
 }
 
-CheckedDesign::Piece read_piece(const json& j, int n_faces) {
+// A place in the list is not the number of a module, so an error names that too.
+CheckedDesign::Module read_numbered_module(const Value& j, const ModuleIndex& index, bool with_lift) {
+  try {
+    return read_module(j, index, with_lift);
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    throw InputError(what.starts_with(j.path() + '/') ? fmt::format("module {}: {}", integer(j.at("id")), what) : what);
+  }
+}
+
+CheckedDesign::Piece read_piece(const Value& j, std::size_t n_faces) {
   CheckedDesign::Piece p{};
   p.outline = all(j.at("outline"), p2);
-  p.holes = all(j.at("holes"), [](const json& h) { return all(h, p2); });
-  p.faces = all(j.at("faces"), [&](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
-  p.flat = all(j.at("flat"), [](const json& t) {
-    list_of(t, 3);
-    return std::array{p2(t[0]), p2(t[1]), p2(t[2])};
-  });
+  p.holes = all(j.at("holes"), [](const Value& h) { return all(h, p2); });
+  p.faces = all(j.at("faces"), index_below(n_faces));
+  p.flat = all(j.at("flat"), [](const Value& t) { return three_of(t, p2); });
   p.max_edge_error = number(j.at("max_edge_error_mm"));
-  const json& at = j.at("placement");
+  const Value at = j.at("placement");
   p.x = number(at.at("x_mm"));
   p.y = number(at.at("y_mm"));
   p.theta = number(at.at("theta_rad"));
   p.modules = integer(j.at("modules"));
   p.upper_bound = integer(j.at("upper_bound"));
-  p.proved = j.at("proved").get<bool>();
-  if (p.flat.size() != p.faces.size()) throw InputError("a piece must have as many flat triangles as faces");
+  p.proved = j.at("proved").boolean();
+  if (p.flat.size() != p.faces.size())
+    j.fail(fmt::format("has {} flat triangles for {} faces; each face has one", p.flat.size(), p.faces.size()));
   return p;
 }
 
-CheckedDesign::Patch read_patch(const json& j, const ModuleIndex& index) {
+// No rule reads the failures, but flash and the sheet do.
+void require_failures(const Value& failures, const ModuleIndex& index) {
+  for (std::size_t k = 0; k < failures.size(); ++k) {
+    const Value failure = failures.item(k), backup = failure.at("backup");
+    (void)index.of(failure.at("module"));
+    (void)index.of_or_none(failure.at("other"));
+    for (std::size_t child = 0; child < backup.size(); ++child) {
+      const Value joint = backup.item(child);
+      list_of(joint, 2);
+      (void)index.of(joint.item(0));
+      (void)index.of_or_none(joint.item(1));
+    }
+  }
+}
+
+CheckedDesign::Patch read_patch(const Value& j, const ModuleIndex& index) {
   CheckedDesign::Patch p{};
   p.node_address = integer(j.at("node_address"));
-  p.entry = index.of(j.at("entry"), "entry");
-  p.second_entry = index.of_or_none(j.at("second_entry"), "second_entry");
-  p.second_entry_side = bounded(integer(j.at("second_entry_side")), p.second_entry < 0 ? -1 : 0,
-                                p.second_entry < 0 ? -1 : 2, "second_entry_side");
+  p.entry = index.of(j.at("entry"));
+  p.second_entry = index.of_or_none(j.at("second_entry"));
+  p.second_entry_side = bounded(j.at("second_entry_side"), p.second_entry < 0 ? -1 : 0, p.second_entry < 0 ? -1 : 2);
   p.line_hops = integer(j.at("line_hops"));
   p.max_depth = integer(j.at("max_depth"));
-  p.modules = all(j.at("modules"), [&](const json& m) { return index.of(m, "module of a patch"); });
-  p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
+  p.modules = all(j.at("modules"), [&](const Value& m) { return index.of(m); });
+  p.cut_joints = all(j.at("cut_joints"), [&](const Value& c) {
     list_of(c, 2);
-    return std::array{index.of(c[0], "cut joint"), index.of(c[1], "cut joint")};
+    return std::array{index.of(c.item(0)), index.of(c.item(1))};
   });
+  require_failures(j.at("failures"), index);
   return p;
 }
 
-void read_obstacle(const json& j, CheckedDesign::Region& r) {
+void read_obstacle(const Value& j, CheckedDesign::Region& r) {
   r.kind = CheckedDesign::Region::Kind::kObstacle;
   r.margin = number(j.at("margin_mm"));
   r.above = number(j.at("above_mm"));
   r.below = number(j.at("below_mm"));
-  const json& mesh = j.at("mesh");
+  const Value mesh = j.at("mesh");
   r.body_vertices = all(mesh.at("vertices"), p3);
-  const int last = static_cast<int>(r.body_vertices.size()) - 1;
-  r.body_faces = all(mesh.at("faces"), [last](const json& f) {
-    list_of(f, 3);
-    const auto corner = [&](std::size_t k) { return bounded(integer(f[k]), 0, last, "corner of an obstacle"); };
-    return std::array{corner(0), corner(1), corner(2)};
-  });
-  if (r.body_faces.empty()) throw InputError("an obstacle has no face");
+  r.body_faces = faces_of(mesh.at("faces"), r.body_vertices.size());
+  if (r.body_faces.empty()) mesh.fail("an obstacle has at least one face");
 }
 
-CheckedDesign::Region read_region(const json& j, int n_faces) {
+CheckedDesign::Region read_region(const Value& j, std::size_t n_faces) {
   CheckedDesign::Region r{};
-  r.name = j.at("name").get<std::string>();
+  r.name = j.at("name").text();
   if (j.contains("sphere")) {
     r.kind = CheckedDesign::Region::Kind::kSphere;
-    r.a = p3(j["sphere"].at("center_mm"));
-    r.radius = number(j["sphere"].at("radius_mm"));
+    r.a = p3(j.at("sphere").at("center_mm"));
+    r.radius = number(j.at("sphere").at("radius_mm"));
   } else if (j.contains("box")) {
     r.kind = CheckedDesign::Region::Kind::kBox;
-    r.a = p3(j["box"].at("low_mm"));
-    r.b = p3(j["box"].at("high_mm"));
+    r.a = p3(j.at("box").at("low_mm"));
+    r.b = p3(j.at("box").at("high_mm"));
   } else if (j.contains("obstacle")) {
-    read_obstacle(j["obstacle"], r);
+    read_obstacle(j.at("obstacle"), r);
   } else if (j.contains("border")) {
     r.kind = CheckedDesign::Region::Kind::kBorder;
-    r.margin = number(j["border"].at("margin_mm"));
-    r.min_width = number(j["border"].at("min_width_mm"));
-    r.max_width = number(j["border"].at("max_width_mm"));
+    r.margin = number(j.at("border").at("margin_mm"));
+    r.min_width = number(j.at("border").at("min_width_mm"));
+    r.max_width = number(j.at("border").at("max_width_mm"));
   } else {
     r.kind = CheckedDesign::Region::Kind::kFaces;
-    r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(integer(f), 0, n_faces - 1, "face"); });
+    r.faces = all(j.at("faces"), index_below(n_faces));
   }
-  r.free = j.contains("free") && j["free"].get<bool>();
-  r.cover = j.contains("cover") && j["cover"].get<bool>();
-  r.entry = j.contains("entry") && j["entry"].get<bool>();
+  r.free = j.contains("free") && j.at("free").boolean();
+  r.cover = j.contains("cover") && j.at("cover").boolean();
+  r.entry = j.contains("entry") && j.at("entry").boolean();
   if (r.cover) r.within = number(j.at("within_mm"));
   return r;
 }
 
-void read_regions(const json& j, CheckedDesign& d) {
-  for (const json& r : j.at("regions").at("list"))
-    d.regions.push_back(read_region(r, static_cast<int>(d.faces.size())));
+void read_regions(const Value& j, CheckedDesign& d) {
+  d.regions = all(j.at("regions").at("list"), [&](const Value& r) { return read_region(r, d.faces.size()); });
   const bool limits_entries = std::ranges::any_of(d.regions, &CheckedDesign::Region::entry);
   if (limits_entries) d.entries_elsewhere = all(j.at("report").at("entries_elsewhere"), integer);
   for (std::size_t k = 0; k < d.modules.size(); ++k)
-    d.modules[k].keep_out = number(j.at("modules").at(k).at("keep_out_mm"));
+    d.modules[k].keep_out = number(j.at("modules").item(k).at("keep_out_mm"));
 }
 
-void read_jumpers(const json& list, const ModuleIndex& index, CheckedDesign& d) {
-  for (const json& j : list) {
-    CheckedDesign::Jumper jumper{
-        j.at("kind").get<std::string>(), {}, {}, number(j.at("length_mm")), number(j.at("fold_rad"))};
+void read_jumpers(const Value& list, const ModuleIndex& index, CheckedDesign& d) {
+  for (std::size_t n = 0; n < list.size(); ++n) {
+    const Value j = list.item(n), modules = j.at("modules"), sides = j.at("sides");
+    list_of(modules, 2);
+    list_of(sides, 2);
+    CheckedDesign::Jumper jumper{j.at("kind").text(), {}, {}, number(j.at("length_mm")), number(j.at("fold_rad"))};
     for (std::size_t k = 0; k < 2; ++k) {
-      jumper.module[k] = index.of(list_of(j.at("modules"), 2)[k], "module of a jumper");
-      jumper.side[k] = bounded(integer(list_of(j.at("sides"), 2)[k]), 0, 2, "side of a jumper");
+      jumper.module[k] = index.of(modules.item(k));
+      jumper.side[k] = bounded(sides.item(k), 0, 2);
     }
     for (std::size_t k = 0; k < 2; ++k) {
       int& beside =
@@ -260,44 +333,30 @@ void read_jumpers(const json& list, const ModuleIndex& index, CheckedDesign& d) 
   }
 }
 
-void read_kinds(const json& j, CheckedDesign& d) {
-  for (const json& k : j.at("kinds").at("kinds")) {
-    d.kinds.push_back({k.at("name").get<std::string>(), k.at("dielectric").get<std::string>(), integer(k.at("taxels")),
-                       number(k.at("sensitivity_counts_per_kpa"))});
-  }
-  for (std::size_t m = 0; m < d.modules.size(); ++m)
-    d.modules[m].kind = j.at("modules").at(m).at("kind").get<std::string>();
+void read_kinds(const Value& j, CheckedDesign& d) {
+  d.kinds = all(j.at("kinds").at("kinds"), [](const Value& k) {
+    return CheckedDesign::Kind{k.at("name").text(), k.at("dielectric").text(), integer(k.at("taxels")),
+                               number(k.at("sensitivity_counts_per_kpa"))};
+  });
+  for (std::size_t m = 0; m < d.modules.size(); ++m) d.modules[m].kind = j.at("modules").item(m).at("kind").text();
 }
 
-std::uint64_t hex_id(const std::string& text) {
+std::uint64_t hex_id(const Value& v) {
+  const std::string text = v.text();
   std::uint64_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw InputError(fmt::format("design_id \"{}\" is not 16 hexadecimal digits", text));
+    v.fail(fmt::format("must be 16 hexadecimal digits, is {}", shown(v.raw())));
   return id;
 }
 
-// Names the part of the file in the message of an error.
-template <class Read>
-void at_place(const char* part, std::size_t index, Read read) {
-  try {
-    read();
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("{} {}: {}", part, index, e.what()));
-  }
-}
-
-void read_surface(const json& j, CheckedDesign& d) {
+void read_surface(const Value& j, CheckedDesign& d) {
   d.vertices = all(j.at("vertices"), p3);
-  const int n_vertices = static_cast<int>(d.vertices.size());
-  d.faces = all(j.at("faces"), three_ints);
-  for (const auto& f : d.faces) {
-    for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
-  }
-  if (d.faces.empty()) throw InputError("the surface has no faces");
+  d.faces = faces_of(j.at("faces"), d.vertices.size());
+  if (d.faces.empty()) j.fail("a surface has at least one face");
 }
 
-CheckedDesign::Limits read_limits(const json& l, bool with_lift, bool with_jumpers) {
+CheckedDesign::Limits read_limits(const Value& l, bool with_lift, bool with_jumpers) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   return {number(l.at("edge_error_mm")),
           number(l.at("hinge_gap_mm")),
@@ -308,11 +367,11 @@ CheckedDesign::Limits read_limits(const json& l, bool with_lift, bool with_jumpe
           with_lift ? number(l.at("lift_mm")) : kNone,
           with_lift ? number(l.at("depth_mm")) : kNone,
           with_jumpers ? number(l.at("jumper_mm")) : 0.0,
-          l.contains("fold_away_rad") ? number(l["fold_away_rad"]) : kNone,
-          l.contains("fold_towards_rad") ? number(l["fold_towards_rad"]) : kNone};
+          l.contains("fold_away_rad") ? number(l.at("fold_away_rad")) : kNone,
+          l.contains("fold_towards_rad") ? number(l.at("fold_towards_rad")) : kNone};
 }
 
-void read_report(const json& r, CheckedDesign& d) {
+void read_report(const Value& r, CheckedDesign& d) {
   d.area_cm2 = number(r.at("area_cm2"));
   d.coverage = number(r.at("coverage"));
   d.coverage_cut = d.corner_cut > 0.0 ? number(r.at("coverage_cut")) : d.coverage;
@@ -323,37 +382,34 @@ void read_report(const json& r, CheckedDesign& d) {
   d.max_center_gap = number(r.at("max_center_gap_mm"));
 }
 
-void read_side_maxima(const json& r, CheckedDesign& d) {
+void read_side_maxima(const Value& r, CheckedDesign& d) {
   d.max_edge_lift = number(r.at("max_edge_lift_mm"));
   d.max_edge_depth = number(r.at("max_edge_depth_mm"));
 }
 
-CheckedDesign read_all(const json& j) {
+CheckedDesign read_all(const Value& j) {
   CheckedDesign d{};
   const bool with_jumpers = j.contains("jumpers");
-  if (j.at("format") != "triskin-design" || integer(j.at("version")) != (with_jumpers ? 2 : 1))
+  if (j.at("format").raw() != "triskin-design" || integer(j.at("version")) != (with_jumpers ? 2 : 1))
     throw InputError("not a design file of version 1, or 2 with jumpers; make the design again");
   read_surface(j.at("surface"), d);
   if (j.contains("side")) read_side(j.at("side"), d);
-  const json& l = j.at("limits");
+  const Value l = j.at("limits");
   // A file has both keys, or is older than them.
   const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");
   d.limits = read_limits(l, with_lift, with_jumpers);
-  if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(number(j["corner_cut_mm"]));
+  if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j.at("corner_cut_mm"));
   d.islands = integer(j.at("islands"));
-  d.method = j.at("method").get<std::string>();
-  d.design_id = hex_id(j.at("design_id").get<std::string>());
+  d.method = j.at("method").text();
+  d.design_id = hex_id(j.at("design_id"));
   const ModuleIndex index(j.at("modules"));
-  for (const json& m : j.at("modules"))
-    at_place("module", d.modules.size(), [&] { d.modules.push_back(read_module(m, index, with_lift)); });
-  d.next_module = j.contains("next_module") ? bounded(integer(j["next_module"]), 0, 65'536, "next_module") : -1;
+  d.modules = all(j.at("modules"), [&](const Value& m) { return read_numbered_module(m, index, with_lift); });
+  d.next_module = j.contains("next_module") ? bounded(j.at("next_module"), 0, 65'536) : -1;
   if (with_jumpers) read_jumpers(j.at("jumpers"), index, d);
   if (j.contains("regions")) read_regions(j, d);
   if (j.contains("kinds")) read_kinds(j, d);
-  for (const json& p : j.at("pieces"))
-    at_place("piece", d.pieces.size(), [&] { d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size()))); });
-  for (const json& p : j.at("patches"))
-    at_place("patch", d.patches.size(), [&] { d.patches.push_back(read_patch(p, index)); });
+  d.pieces = all(j.at("pieces"), [&](const Value& p) { return read_piece(p, d.faces.size()); });
+  d.patches = all(j.at("patches"), [&](const Value& p) { return read_patch(p, index); });
   read_report(j.at("report"), d);
   if (with_jumpers) d.jumpers_lower_bound = integer(j.at("report").at("jumpers_lower_bound"));
   if (with_lift) read_side_maxima(j.at("report"), d);
@@ -363,19 +419,19 @@ CheckedDesign read_all(const json& j) {
 // Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same, because the next
 // reader of the file may calculate with them. Coordinates have the bound of a coordinate; the radius of a flat place
 // has none.
-void require_bounded(const json& j, const std::string& key, double bound) {
+void require_bounded(const json& j, const std::string& key, double bound, const std::string& path) {
   constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline",
                                     "holes",    "flat",  "placement", "sphere",   "box"};
   constexpr double kMaxOther = 9e6;
   if (j.is_number() && key != "seed" && key != "bend_radius_mm" && !(std::abs(j.get<double>()) <= bound))
-    throw InputError(fmt::format("\"{}\" {} is outside ±{:g}", key, shown(j), bound));
+    throw InputError(fmt::format("{}: must lie in ±{:g}, is {}", path, bound, shown(j)));
   if (j.is_object()) {
     for (const auto& [name, value] : j.items())
-      require_bounded(value, name,
-                      std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther));
+      require_bounded(value, name, std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther),
+                      path + '/' + name);
   }
   if (j.is_array()) {
-    for (const json& item : j) require_bounded(item, key, bound);
+    for (std::size_t k = 0; k < j.size(); ++k) require_bounded(j[k], key, bound, path + '/' + std::to_string(k));
   }
 }
 
@@ -517,17 +573,17 @@ constexpr std::array<std::string_view, 135> kKnownKeys{"above_mm",
                                                        "y_mm"};
 
 // Skips "selection", which is what the user chose of a CAD part, and "refused", whose keys are names of limits.
-void require_known_keys(const json& j) {
+void require_known_keys(const json& j, const std::string& path) {
   if (j.is_object()) {
     for (const auto& [key, value] : j.items()) {
       if (key == "selection" || key == "refused") continue;
       if (std::ranges::count(kKnownKeys, key) == 0)
-        throw InputError(fmt::format("key \"{}\" is unknown in a design file", key));
-      require_known_keys(value);
+        throw InputError(fmt::format("{}: key \"{}\" is unknown in a design file; leave it out", place(path), key));
+      require_known_keys(value, path + '/' + key);
     }
   }
   if (j.is_array() && !j.empty() && !j[0].is_number()) {
-    for (const json& item : j) require_known_keys(item);
+    for (std::size_t k = 0; k < j.size(); ++k) require_known_keys(j[k], path + '/' + std::to_string(k));
   }
 }
 
@@ -560,9 +616,9 @@ CheckedDesign read_checked_design(const std::string& text, const std::string& na
   require_shallow(text, name);
   try {
     const json document = parse_once(text);
-    require_bounded(document, "", kMaxNumber);
-    CheckedDesign design = read_all(document);
-    require_known_keys(document);
+    require_bounded(document, "", kMaxNumber, "");
+    CheckedDesign design = read_all({document, ""});
+    require_known_keys(document, "");
     return design;
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design", name,

@@ -136,8 +136,8 @@ struct TaxelPose {
 /// cost.
 [[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
-/// Computes FNV-1a over the modules, jumpers, patches and wiring in file order, then over corner cut, kinds and numbers
-/// with gaps if there are any. Equal designs have equal ids on every compiler. Cost: O(n).
+/// Computes FNV-1a over the modules, jumpers, patches and wiring in file order, then over corner cut, kinds, numbers
+/// with gaps and a later next number, where there are any. Equal designs have equal ids on every compiler. Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
 /// Reads a design file of version kVersion or kJumperVersion and checks types, ranges and indices; `triskin check`

@@ -25,8 +25,8 @@ struct ModuleNumber {
   [[nodiscard]] friend bool operator==(const ModuleNumber& number, int value) { return number.value == value; }
 };
 
-/// The table of a controller has 16 bits for a number.
-inline constexpr int kMaxModuleNumber = 0xFFFF;
+/// The table of a controller has 16 bits for a number, of which three are the kind's where there are kinds.
+inline constexpr int kMaxModuleNumber = 0xFFFF, kMaxModuleNumberWithKinds = 0x1FFF;
 
 /// Returns the number of module `id`, which is one of this layout, or −1 for −1.
 /// Constant cost.
@@ -55,6 +55,9 @@ void set_numbers(ModuleLayout& layout, std::vector<int> numbers);
 
 /// Returns the number that the next module gets: above all that modules of this design have or once had.
 [[nodiscard]] int next_number(const Design& design);
+
+/// Throws InputError, which says the remedy, if the tables of this design have no room for this number.
+void require_fitting_number(const Design& design, int number);
 
 /// Writes ascending numbers as ranges, "3,7-9".
 [[nodiscard]] std::string ranges_text(std::span<const int> numbers);
