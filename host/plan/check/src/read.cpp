@@ -187,8 +187,8 @@ CheckedDesign::Module read_module(const Value& j, const ModuleIndex& index, bool
   m.penetration = number(j.at("penetration_mm"));
   m.overrun = number(j.at("overrun_mm"));
   m.bend_radius = number(j.at("bend_radius_mm"));
-  m.hinge_gap = three_of(j.at("hinge_gap_mm"), number);
-  m.fold = three_of(j.at("fold_rad"), number);
+  m.hinge_gap = three_of(j.at("hinge_gap_mm"), [](const Value& v) { return number(v); });
+  m.fold = three_of(j.at("fold_rad"), [](const Value& v) { return number(v); });
   m.patch = integer(j.at("patch"));
   m.line = integer(j.at("line"));
   m.address = integer(j.at("address"));
