@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import triskin
@@ -121,6 +122,27 @@ def errors():
             raise AssertionError("it was opened")
 
 
+def shared(skin):
+    """Calls of several threads are taken one after the other."""
+    failed = []
+
+    def work():
+        try:
+            for _ in range(20):
+                skin.read(0.02)
+                assert skin.change_counts().shape == (skin.modules, 12)
+                skin.contacts()
+        except BaseException as e:
+            failed.append(repr(e))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failed, failed
+
+
 server, link = serve()
 try:
     with triskin.open(pathlib.Path(design), link=link, scene=None) as skin:
@@ -138,4 +160,5 @@ finally:
 # Nobody else simulates these boards now, so this process does it in virtual time.
 with triskin.open(design, link="sim", scene=scene) as skin:
     assert len(skin.read(2.0)) > 8 * 50 and skin.counts()["lost"] == 0
+    shared(skin)
 print("ok")
