@@ -22,7 +22,7 @@ struct ModuleNumber {
   int value = -1;  ///< 0 … kMaxModuleNumber; −1: no module
   [[nodiscard]] friend bool operator==(const ModuleNumber&, const ModuleNumber&) = default;
   [[nodiscard]] friend auto operator<=>(const ModuleNumber&, const ModuleNumber&) = default;
-  [[nodiscard]] friend bool operator==(const ModuleNumber& number, int value) { return number.value == value; }
+  [[nodiscard]] friend bool operator==(const ModuleNumber& number, int integer) { return number.value == integer; }
 };
 
 /// The table of a controller has 16 bits for a number, of which three are the kind's where there are kinds.
