@@ -23,7 +23,7 @@ constexpr std::uint8_t kDfuIdle = 2, kDfuDownloadIdle = 5, kDfuError = 10;
 /// Slot 0 runs a confirmed image, slot 1 is free.
 struct Board {
   Area a{kPages}, b{kPages};
-  SlotStore slots{{&a, &b}, test::kOrigins};
+  SlotStore slots{{&a, &b}, test::kSlotOrigins};
   Board() {
     const auto image = test::image_for(0, kRuns, kImageBytes, 1);
     (void)slots.erase(0);
@@ -79,7 +79,7 @@ std::vector<Case> cases() {
        Status::kBadMagic, 10},
       {"truncated", test::package_bytes({.fill = 2, .version = kNew}), 64, Status::kBadCrc, Status::kBadCrc, 9},
       {"other chip", package_with(0, 0x10004000), 0, Status::kWrongTarget, Status::kWrongTarget, 1},
-      {"other slot", package_with(layout::kLabelOffset + 20, test::kOrigins[0]), 0, Status::kWrongTarget,
+      {"other slot", package_with(layout::kLabelOffset + 20, test::kSlotOrigins[0]), 0, Status::kWrongTarget,
        Status::kWrongTarget, 1},
   };
 }

@@ -22,7 +22,7 @@ constexpr std::uint16_t kSession = 0x1234;
 
 using Area = test::FlashDouble<fw::FlashArea>;
 using test::image_for;
-using test::kOrigins;
+using test::kSlotOrigins;
 
 class Port final : public fw::CanPort {
  public:
@@ -116,7 +116,7 @@ class Receiver : public ::testing::Test {
   }
 
   Area a{kPages}, b{kPages};
-  SlotStore slots{{&a, &b}, kOrigins};
+  SlotStore slots{{&a, &b}, kSlotOrigins};
   Restarts restarts;
   Port port;
   ImageReceiver::Self self{{1, 2, 3}, 0, kRuns};

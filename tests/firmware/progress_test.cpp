@@ -8,6 +8,7 @@
 
 #include "bench.hpp"
 #include "firmware_image.hpp"
+#include "support/package_bytes.hpp"
 #include "triskin/layout/firmware_package.hpp"
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/image_update.hpp"
@@ -36,13 +37,7 @@ class Board {
   Board() {
     const auto image = image_for(0, 0x00020000, 1024, 1);
     (void)slots.program(0, image);
-    std::array<std::uint8_t, 16> record{};
-    ByteWriter w(record);
-    w.le32(layout::kCommitMagic);
-    w.le32(1);
-    w.le32(static_cast<std::uint32_t>(image.size()));
-    w.le32(layout::slot_crc(1, image));
-    (void)slots.program(sim::kSlotsBytes / 2 - 2048, record);
+    (void)slots.program(sim::kSlotsBytes / 2 - 2048, commit_record(image));
     for (int k = 0; k < 2; ++k) {
       ChipDouble chip;
       chip.address = layout::cdc_address(k);

@@ -23,6 +23,17 @@ struct FirmwareFile {
 
 inline constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
+/// Returns the record that makes `image` the first one committed in its slot (firmware/boot, SlotStore).
+inline std::array<std::uint8_t, 16> commit_record(Bytes image) {
+  std::array<std::uint8_t, 16> record{};
+  ByteWriter w(record);
+  w.le32(layout::kCommitMagic);
+  w.le32(1);
+  w.le32(static_cast<std::uint32_t>(image.size()));
+  w.le32(layout::slot_crc(1, image));
+  return record;
+}
+
 inline std::vector<std::uint8_t> package_bytes(const FirmwareFile& file) {
   std::vector<std::uint8_t> bytes(layout::kPackageHeadBytes + std::size_t{2} * file.size_bytes);
   for (std::size_t k = 0; k < bytes.size(); ++k) bytes[k] = static_cast<std::uint8_t>(file.fill + k % 7);

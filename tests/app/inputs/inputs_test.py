@@ -495,10 +495,10 @@ def compare_names(one, other, folder, environment):
     return 0, f"{len(formats)} formats keep the names apart" + (f" ({', '.join(sorted(left_out))} not read)" if left_out else "")
 
 
-def shown(text):
+def shown(text, state):
     lines = [line for line in text.strip().splitlines() if line.strip() and not line.startswith("…")]
     # Times and the folder of the run differ from run to run.
-    return re.sub(r"\S*/home/triskin/", "…/", re.sub(r"\d+\.\d+ s\b", "… s", " ⏎ ".join(lines)))
+    return re.sub(r"\d+\.\d+ s\b", "… s", " ⏎ ".join(lines).replace(state + "/triskin/", "…/"))
 
 
 def cell(text):
@@ -553,7 +553,7 @@ def main():
             good = (status is None or got == status) and re.search(pattern, said, re.DOTALL | re.MULTILINE)
             if not good:
                 wrong.append(f"{kind}: {what}: status {got} (right: {status}), wanted /{pattern}/, said:\n  {said.strip()[:600]}")
-            rows.append((kind, what, who, text, got, shown(said)))
+            rows.append((kind, what, who, text, got, shown(said, used["XDG_STATE_HOME"])))
         for kind in sorted({row[0] for row in rows}):
             those = [row for row in rows if row[0] == kind]
             if not ONLY and kind != "files of reports" and (len(those) < 8 or sum(row[2] == FOUND for row in those) < 3):

@@ -27,13 +27,7 @@ inline void install(hardware::VirtualSkin& skin, std::size_t patch, int slot, co
   const std::size_t origin = static_cast<std::size_t>(slot) * kSlot, records = origin + kSlot - kPage;
   for (std::size_t at = 0; at < sim::kSlotsBytes; at += kPage) (void)flash.erase_page(at);
   (void)flash.program(origin, image);
-  std::array<std::uint8_t, 16> record{};
-  ByteWriter w(record);
-  w.le32(layout::kCommitMagic);
-  w.le32(1);
-  w.le32(static_cast<std::uint32_t>(image.size()));
-  w.le32(layout::slot_crc(1, image));
-  (void)flash.program(records, record);
+  (void)flash.program(records, commit_record(image));
   // The first of the confirmations, behind three places for starts (firmware/boot, SlotStore).
   (void)flash.program(records + 1024 + 3 * 8, std::array<std::uint8_t, 8>{'T', 'S', 'K', 'M', 'A', 'R', 'K', 0});
   skin.power_cycle(patch);

@@ -257,28 +257,20 @@ TEST_F(Damage, wiring) {
   expect("max-depth", [](json& j) { j["patches"][0]["max_depth"] = 0; });
   expect("line-hops", [](json& j) { j["patches"][0]["line_hops"] = 0; });
   expect("joint-use", [](json& j) { j["patches"][0]["cut_joints"].push_back({entry(j)["id"], leaf(j)["id"]}); });
+  const auto hang_on_cable = [](json& j, double length_mm) {
+    j["version"] = 2;
+    j["limits"]["jumper_mm"] = 8.5e6;
+    j["report"]["jumpers_lower_bound"] = 0;
+    j["jumpers"] = json::array({{{"kind", "cable"},
+                                 {"modules", {leaf(j)["parent"], leaf(j)["id"]}},
+                                 {"sides", {0, 0}},
+                                 {"length_mm", length_mm},
+                                 {"fold_rad", 0.0}}});
+  };
   // The last module hangs on a cable of 8 km: 7.8 kΩ, so its milliampere takes all of the supply.
-  expect("supply", [](json& j) {
-    j["version"] = 2;
-    j["limits"]["jumper_mm"] = 8.5e6;
-    j["report"]["jumpers_lower_bound"] = 0;
-    j["jumpers"] = json::array({{{"kind", "cable"},
-                                 {"modules", {leaf(j)["parent"], leaf(j)["id"]}},
-                                 {"sides", {0, 0}},
-                                 {"length_mm", 8e6},
-                                 {"fold_rad", 0.0}}});
-  });
-  // A cable of 3.5 m between two modules has 210 pF. Without it the line of a full patch has 172.
-  expect("pull-up", [](json& j) {
-    j["version"] = 2;
-    j["limits"]["jumper_mm"] = 8.5e6;
-    j["report"]["jumpers_lower_bound"] = 0;
-    j["jumpers"] = json::array({{{"kind", "cable"},
-                                 {"modules", {leaf(j)["parent"], leaf(j)["id"]}},
-                                 {"sides", {0, 0}},
-                                 {"length_mm", 6e3},
-                                 {"fold_rad", 0.0}}});
-  });
+  expect("supply", [&](json& j) { hang_on_cable(j, 8e6); });
+  // A cable of 6 m between two modules has 360 pF. Without it the line of a full patch has 172.
+  expect("pull-up", [&](json& j) { hang_on_cable(j, 6e3); });
   expect("patch-members", [](json& j) { j["patches"][0]["modules"].push_back(leaf(j)["id"]); });
   expect("every-module-wired", [](json& j) { j["patches"].erase(0); });
   expect("patch-node", [](json& j) { j["patches"][0]["node_address"] = 5; });

@@ -135,9 +135,8 @@ bool can_do_fd(const nlohmann::json& link) {
 std::string up_command(const std::string& name, bool is_virtual, bool fd) {
   if (is_virtual) return fmt::format("sudo ip link set {} mtu 72 up", name);
   return fmt::format(
-      "sudo ip link set {0} down && sudo ip link set {0} up txqueuelen 128 type can bitrate 1000000 sample-point "
-      "0.8{1} "
-      "berr-reporting on restart-ms 100",
+      "sudo ip link set {0} down && sudo ip link set {0} up txqueuelen 128 type can bitrate 1000000 "
+      "sample-point 0.8{1} berr-reporting on restart-ms 100",
       name, fd ? " dbitrate 2000000 dsample-point 0.8 fd on" : "");
 }
 

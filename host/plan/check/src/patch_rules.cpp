@@ -211,7 +211,7 @@ class PatchChecker {
   // A pull-up must be weak enough for a chip to hold the line low (3 mA at 0.4 V, UM10204, table 10), and strong enough
   // to charge what hangs on the line from 30 to 70 % in 300 ns. docs/routing.md has the capacitances.
   void pull_ups() {
-    constexpr double kLeast_ohm = (3.3 - 0.4) / 3e-3, kRise_ns = 300.0, kCable_pf_per_mm = 0.06, kCable_mm = 500.0;
+    constexpr double kMin_ohm = (3.3 - 0.4) / 3e-3, kRise_ns = 300.0, kCable_pf_per_mm = 0.06, kCable_mm = 500.0;
     constexpr double kJoint_pf = 2.0, kPlugs_pf = 2.0, kChip_pf = 10.0, kSwitch_pf = 6.0;
     double common_pf = kCable_mm * kCable_pf_per_mm;
     std::map<int, int> on_line;
@@ -228,12 +228,12 @@ class PatchChecker {
     for (const auto& [line, chips] : on_line) {
       const double pf = common_pf + kChip_pf * chips + kSwitch_pf * (static_cast<double>(p_.modules.size()) - chips);
       const double most_ohm = kRise_ns * 1e3 / (std::log(0.7 / 0.3) * pf);
-      if (most_ohm < kLeast_ohm)
+      if (most_ohm < kMin_ohm)
         broken(
             "pull-up",
             fmt::format("line {} has {:.0f} pF and would need a pull-up of {:.0f} Ω or less; a chip sinks the current "
                         "of {:.0f} Ω and more; use fewer modules or less cable",
-                        line, pf, most_ohm, kLeast_ohm));
+                        line, pf, most_ohm, kMin_ohm));
     }
   }
 

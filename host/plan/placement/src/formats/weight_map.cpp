@@ -23,7 +23,7 @@ namespace {
 constexpr int kFirstSquare = -3, kLastSquare = 2;
 // The search compares sums to 1e-5 of their bound. Of smaller weights that would be a denormal number, which has hardly
 // a digit.
-constexpr double kLeastWeight = 1e-300;
+constexpr double kMinWeight = 1e-300;
 
 bool is_weight(double w) {
   return w >= 0.0 && w <= 1e12;
@@ -128,7 +128,7 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
     for (int c = -kRim; c <= columns_ + kRim; ++c)
       control_.push_back(row[static_cast<std::size_t>(std::clamp(c, 0, columns_ - 1))]);
   }
-  for (double& w : control_) w = w < kLeastWeight ? 0.0 : w;
+  for (double& w : control_) w = w < kMinWeight ? 0.0 : w;
   most_ = std::ranges::max(control_);
   // A spline's slopes are averages of first differences of its control values.
   double dx = 0.0, dy = 0.0;
