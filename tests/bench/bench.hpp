@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <ctime>
@@ -22,6 +23,16 @@ struct BenchOptions {
 /// Returns the processor time of the program so far, s, for work of one thread on a machine that does other work too.
 [[nodiscard]] inline double processor_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/// As processor_s(), with the child processes that have ended: repair searches for crossings in one of its own.
+[[nodiscard]] inline double processor_s_with_children() {
+  rusage children{};
+  getrusage(RUSAGE_CHILDREN, &children);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return processor_s() + seconds(children.ru_utime) + seconds(children.ru_stime);
 }
 
 /// A temporary folder, deleted with its content at the end.

@@ -18,8 +18,10 @@
 #include "device/mechanics/src/layer_patch.hpp"
 #include "device/mechanics/src/logarithmic.hpp"
 #include "device/mechanics/src/winkler.hpp"
+#include "triskin/base/dice.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/mechanics/contact_table.hpp"
+#include "triskin/mechanics/inverse.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::mechanics {
@@ -263,14 +265,114 @@ std::string comparison_text(const Comparison& comparison) {
   return text;
 }
 
+nlohmann::json numbers(const LevelErrors& e) {
+  return {{"indentation", e.indentation},
+          {"contact_radius", e.contact_radius},
+          {"peak_pressure", e.peak_pressure},
+          {"taxel", e.taxel},
+          {"refused", e.refused}};
+}
+
+// The cost and the errors of each level over all contacts together, those of the grid by its spacing, and how the cost
+// of finding contacts grows with taxels.
+void add_numbers(nlohmann::json& result, const Comparison& comparison) {
+  for (std::size_t k = 0; k < comparison.costs.size(); ++k) {
+    LevelErrors all;
+    std::vector<double> taxel;  // One a row, weighted alike.
+    for (const ComparisonRow& row : comparison.rows) {
+      if (k >= row.levels.size()) break;
+      const LevelErrors& e = row.levels[k];
+      all.indentation = std::max(all.indentation, e.indentation);
+      all.contact_radius = std::max(all.contact_radius, e.contact_radius);
+      all.peak_pressure = std::max(all.peak_pressure, e.peak_pressure);
+      all.taxel = std::max(all.taxel, e.taxel);
+      all.refused += e.refused;
+      taxel.push_back(e.taxel);
+    }
+    nlohmann::json row = numbers(all);
+    row["series"] = "level";
+    row["level"] = comparison.costs[k].level;
+    row["microseconds"] = comparison.costs[k].microseconds;
+    row["median_taxel"] = median(taxel);
+    result.push_back(std::move(row));
+  }
+  for (const PatchRow& patch : comparison.patches) {
+    nlohmann::json row = numbers(patch.errors);
+    row["series"] = "grid";
+    row["poisson"] = patch.poisson;
+    row["points_per_radius"] = patch.points_per_radius;
+    row["points"] = patch.points;
+    row["milliseconds"] = patch.milliseconds;
+    result.push_back(std::move(row));
+  }
+}
+
+// Rows of modules with one contact of 3 N in their middle, found from values with noise of 0.01.
+nlohmann::json growth_row(int modules, std::uint64_t seed) {
+  Dice dice(seed);
+  const ContactTable table(Layer{2.0, 0.3, 30.0});
+  std::vector<Eigen::Vector2d> taxels;
+  const int columns = std::max(1, static_cast<int>(std::lround(std::sqrt(modules))));
+  for (int m = 0; m < modules; ++m) {
+    for (int row = 0; row < 4; ++row) {
+      for (int k = 0; k < 4 - row; ++k)
+        taxels.emplace_back(26.0 * (m % columns) + 6.5 * (k + 0.5 * row), 26.0 * (m / columns) + 5.66 * row);
+    }
+  }
+  const Eigen::Vector2d middle = (taxels.front() + taxels.back()) / 2.0;
+  const std::vector<ContactEstimate> truth{{.position_mm = middle, .force_n = 3.0, .tip_radius_mm = 12.0}};
+  const std::vector<double> values = predict_taxels(table, taxels, truth);
+  std::vector<double> seconds, place, force;
+  for (int draw = 0; draw < 7; ++draw) {
+    std::vector<TaxelObservation> seen;
+    for (std::size_t t = 0; t < taxels.size(); ++t) {
+      const double noise =
+          std::sqrt(-2.0 * std::log(1.0 - dice.unit())) * std::cos(2.0 * std::numbers::pi * dice.unit());
+      seen.push_back({taxels[t], values[t] + 0.01 * noise});
+    }
+    InverseOptions options;
+    options.noise_dc_over_c = 0.01;
+    const double start = cli::processor_s();
+    const InverseResult found = find_contacts(table, seen, options);
+    seconds.push_back(cli::processor_s() - start);
+    if (found.contacts.size() != 1) continue;
+    place.push_back((found.contacts[0].position_mm - middle).norm());
+    force.push_back(std::abs(found.contacts[0].force_n / 3.0 - 1.0));
+  }
+  return {{"series", "growth"},
+          {"modules", modules},
+          {"taxels", taxels.size()},
+          {"seed", seed},
+          {"found", place.size()},
+          {"draws", 7},
+          {"place_mm", median(place)},
+          {"force_share", median(force)},
+          {"processor_s", median(seconds)}};
+}
+
 nlohmann::json contact_rows(const cli::BenchOptions& options, cli::Output& /*output*/) {
   const Comparison comparison = Comparer().run();
   const InverseStudy study = study_inverse(options.quick ? 20 : 1000, 1127);
-  return {{{"series", "levels"},
-           {"contacts", comparison.contacts},
-           {"left_out", comparison.left_out},
-           {"markdown", comparison_text(comparison)}},
-          {{"series", "draws"}, {"seed", study.seed}, {"markdown", study_text(study)}}};
+  nlohmann::json result = {{{"series", "levels"},
+                            {"contacts", comparison.contacts},
+                            {"left_out", comparison.left_out},
+                            {"markdown", comparison_text(comparison)}},
+                           {{"series", "draws"}, {"seed", study.seed}, {"markdown", study_text(study)}}};
+  for (const StudyRow& row : study.rows) {
+    result.push_back({{"series", "study"},
+                      {"contacts", row.contacts},
+                      {"draws", row.draws},
+                      {"wrong_counts", row.wrong_counts},
+                      {"covered", row.covered},
+                      {"mean_square", row.mean_square},
+                      {"position_over_bound", row.position_over_bound},
+                      {"force_over_bound", row.force_over_bound},
+                      {"exact_position_mm", row.exact_position_mm},
+                      {"exact_force_share", row.exact_force_share}});
+  }
+  add_numbers(result, comparison);
+  for (const int modules : {2, 4, 8, 16, 32, 64}) result.push_back(growth_row(modules, 23));
+  return result;
 }
 
 const cli::BenchSubject kContact("contact", "contact model: levels against the exact layer, noisy draws against truth",

@@ -36,7 +36,7 @@ const std::vector<Edge> kEdges{
 };
 
 nlohmann::json rows(const BenchOptions& options, Output& output) {
-  const int patches = options.quick ? 60 : 340;  // of each of six kinds
+  const int patches = options.quick ? 60 : 340;  // of each of seven kinds
   constexpr std::uint32_t kFirstSeed = 1000;
   const double start_s = processor_s();
   nlohmann::json result = nlohmann::json::array();

@@ -4,11 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include "bench.hpp"
 #include "milp.hpp"
 #include "plan/routing/src/random_patch.hpp"
+#include "triskin/mesh/generate.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/pipeline/make_design.hpp"
+#include "triskin/routing/jumpers.hpp"
 #include "triskin/routing/routing.hpp"
 
 namespace triskin::cli {
@@ -25,10 +31,12 @@ const char* name_of(PatchShape shape) {
 // Measures several patches of one shape and size: how many are proved, and how long the slowest takes.
 nlohmann::json row(PatchShape shape, int modules, int patches) {
   int proved = 0, widest_gap = 0;
-  double seconds = 0.0, slowest_s = 0.0, loss = 0.0, loss_strapped = 0.0;
+  double seconds = 0.0, processor = 0.0, slowest_s = 0.0, loss = 0.0, loss_strapped = 0.0;
   for (int seed = 0; seed < patches; ++seed) {
     const auto patch = routing::random_patch(shape, modules, static_cast<std::uint64_t>(seed));
+    const double start = processor_s();
     const routing::RoutingResult r = routing::route(patch.graph);
+    processor += processor_s() - start;
     proved += r.proved ? 1 : 0;
     widest_gap = std::max(widest_gap, static_cast<int>(r.patches.size()) - r.lower_bound);
     seconds += r.seconds;
@@ -44,6 +52,7 @@ nlohmann::json row(PatchShape shape, int modules, int patches) {
           {"slowest_s", slowest_s},
           {"mean_loss", loss / patches},
           {"mean_loss_strapped", loss_strapped / patches},
+          {"processor_s", processor / patches},
           {"seconds", seconds / patches}};
 }
 
@@ -53,13 +62,59 @@ nlohmann::json milp_row(PatchShape shape, int modules, double time_limit_s) {
   routing::RoutingOptions options;
   options.failure_analysis = false;
   options.recombinations = 0;
+  double start = processor_s();
   const routing::RoutingResult all = routing::route(patch.graph, options);
+  const double seconds = processor_s() - start;
+  start = processor_s();
   const bench::PartitionInterval milp = bench::partition_by_milp(patch.graph, options.capacity, time_limit_s);
-  return {{"shape", name_of(shape)},       {"modules", modules},
-          {"patches", all.patches.size()}, {"lower_bound", all.lower_bound},
-          {"milp_patches", milp.upper},    {"milp_lower_bound", milp.lower},
-          {"milp_s", milp.seconds},        {"ratio_to_milp", milp.seconds / all.seconds},
-          {"seconds", all.seconds}};
+  const double milp_s = processor_s() - start;
+  return {{"shape", name_of(shape)},
+          {"modules", modules},
+          {"patches", all.patches.size()},
+          {"lower_bound", all.lower_bound},
+          {"milp_patches", milp.upper},
+          {"milp_lower_bound", milp.lower},
+          {"milp_s", milp_s},
+          {"ratio_to_milp", milp_s / seconds},
+          {"seconds", seconds}};
+}
+
+// Controllers and jumpers of a generated cover together, by all steps and by the integer programme.
+nlohmann::json jumper_row(const char* shape, double size_mm, double time_limit_s) {
+  const Scratch scratch;
+  const std::filesystem::path file = scratch.path() / "part.obj";
+  mesh::write_mesh(file, mesh::generate(*mesh::shape_named(shape), {.size_mm = size_mm, .faces = 0}));
+  pipeline::DesignOptions wanted;
+  wanted.iterations = 20;
+  wanted.threads = 1;
+  wanted.time_limit_s = 1e4;
+  design::Design design = pipeline::make_design(file, wanted).design;
+  const auto places = routing::find_jumpers(mesh::Surface(design.surface), design.layout, design.limits);
+  design.layout.jumpers.clear();
+  const design::ModuleGraph graph = design::graph_of(design.layout);
+  routing::RoutingOptions options;
+  options.failure_analysis = false;
+  options.recombinations = 0;
+  const double start = processor_s();
+  const routing::RoutingResult all = routing::route(graph, places, options);
+  const double seconds = processor_s() - start;
+  const double before = processor_s();
+  const bench::PriceInterval milp = bench::price_by_milp(graph, places, options.capacity, options.price, time_limit_s);
+  const double milp_s = processor_s() - before;
+  return {{"series", "jumpers"},
+          {"shape", shape},
+          {"modules", graph.nodes.size()},
+          {"islands", design.layout.islands},
+          {"places", places.size()},
+          {"controllers", all.patches.size()},
+          {"jumpers", all.jumpers.size()},
+          {"price", options.price.of(static_cast<int>(all.patches.size()), static_cast<int>(all.jumpers.size()), 0)},
+          {"price_proved", all.price_proved},
+          {"milp_lower", milp.lower},
+          {"milp_upper", std::isfinite(milp.upper) ? nlohmann::json(milp.upper) : nlohmann::json()},
+          {"milp_processor_s", milp_s},
+          {"ratio_to_milp", milp_s / seconds},
+          {"processor_s", seconds}};
 }
 
 nlohmann::json rows(const BenchOptions& options, Output& output) {
@@ -75,8 +130,10 @@ nlohmann::json rows(const BenchOptions& options, Output& output) {
     }
   }
   if (options.quick) result.push_back(row(PatchShape::kCompact, 2600, 1));
-  for (const int modules : options.quick ? std::vector{38} : std::vector{38, 80, 142}) {
-    result.push_back(milp_row(PatchShape::kCompact, modules, options.quick ? 20.0 : 120.0));
+  for (const auto& [shape, size_mm] : {std::pair("hip", 160.0), std::pair("torso", 130.0), std::pair("forearm", 200.0)})
+    result.push_back(jumper_row(shape, size_mm, options.quick ? 4.0 : 20.0));
+  for (const int modules : options.quick ? std::vector{20, 38, 60} : std::vector{38, 80, 142}) {
+    result.push_back(milp_row(PatchShape::kCompact, modules, options.quick ? 4.0 : 120.0));
     output.say(fmt::format("CBC alone, {:3} modules: [{}, {}] in {:.1f} s; here {:.4f} s", modules,
                            result.back()["milp_lower_bound"].get<int>(), result.back()["milp_patches"].get<int>(),
                            result.back()["milp_s"].get<double>(), result.back()["seconds"].get<double>()));

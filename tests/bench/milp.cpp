@@ -7,6 +7,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +23,7 @@ namespace {
 // One island of the module graph with its own numbers; −1 means no neighbour.
 struct Island {
   std::vector<std::array<int, 3>> neighbour;
+  std::vector<int> node;  // The number in the whole graph.
   [[nodiscard]] int size() const { return static_cast<int>(neighbour.size()); }
 };
 
@@ -39,6 +42,7 @@ std::vector<Island> islands_of(const design::ModuleGraph& graph) {
       }
     }
     Island& island = islands.emplace_back();
+    island.node = nodes;
     for (const int v : nodes) {
       std::array<int, 3> mine = graph.nodes[at(v)].neighbour;
       for (int& w : mine) w = w < 0 ? -1 : number[at(w)];
@@ -57,9 +61,16 @@ struct Arc {
   int from, to;
 };
 
+// What a root and an arc cost; `arc` sees numbers of the island.
+struct Costs {
+  double root = 1.0;
+  std::function<double(int from, int to)> arc = [](int, int) { return 0.0; };
+};
+
 class ForestModel {
  public:
-  ForestModel(const Island& g, int capacity, int lower_bound) : g_(g), model_(Cbc_newModel(), &Cbc_deleteModel) {
+  ForestModel(const Island& g, int capacity, int lower_bound, const Costs& costs = {})
+      : g_(g), model_(Cbc_newModel(), &Cbc_deleteModel) {
     Cbc_setLogLevel(model(), 0);
     for (int v = 0; v < g.size(); ++v) {
       for (const int w : g.neighbour[at(v)]) {
@@ -67,10 +78,10 @@ class ForestModel {
       }
     }
     const int n = g.size(), m = static_cast<int>(arcs_.size());
-    for (int v = 0; v < n; ++v) column(0, 1, 1, true);              // The columns are r_v.
-    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);      // The columns are s_v.
-    for (int a = 0; a < m; ++a) column(0, 1, 0, true);              // The columns are y_a.
-    for (int a = 0; a < m; ++a) column(0, capacity - 1, 0, false);  // The columns are g_a.
+    for (int v = 0; v < n; ++v) column(0, 1, costs.root, true);              // The columns are r_v.
+    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);               // The columns are s_v.
+    for (const Arc& a : arcs_) column(0, 1, costs.arc(a.from, a.to), true);  // The columns are y_a.
+    for (int a = 0; a < m; ++a) column(0, capacity - 1, 0, false);           // The columns are g_a.
     for (int v = 0; v < n; ++v) node_rows(v, capacity);
     for (int a = 0; a < m; ++a) {
       row({{flow(a), 1.0}, {use(a), -1.0}}, 'G', 0);
@@ -79,6 +90,16 @@ class ForestModel {
     std::vector<Term> roots;
     for (int v = 0; v < n; ++v) roots.push_back({v, 1.0});
     row(roots, 'G', lower_bound);
+  }
+
+  // Returns bounds of the objective; the upper one is infinite without a solution.
+  std::array<double, 2> solve_for_price(double time_limit_s) {
+    Cbc_setMaximumSeconds(model(), time_limit_s);
+    Cbc_setParameter(model(), "threads", "0");
+    Cbc_solve(model());
+    const bool is_solved = Cbc_numberSavedSolutions(model()) > 0 || Cbc_isProvenOptimal(model()) != 0;
+    const double upper = is_solved ? Cbc_getObjValue(model()) : std::numeric_limits<double>::infinity();
+    return {Cbc_isProvenOptimal(model()) != 0 ? upper : Cbc_getBestPossibleObjValue(model()), upper};
   }
 
   MilpAnswer solve(int lower_bound, double time_limit_s) {
@@ -160,6 +181,27 @@ PartitionInterval partition_by_milp(const design::ModuleGraph& graph, int capaci
     found_all = found_all && answer.parts > 0;
   }
   if (!found_all) interval.upper = 0;
+  interval.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return interval;
+}
+
+PriceInterval price_by_milp(const design::ModuleGraph& graph, const std::vector<design::Jumper>& places, int capacity,
+                            const design::Price& price, double time_limit_s) {
+  const auto start = std::chrono::steady_clock::now();
+  PriceInterval interval;
+  for (const Island& island : islands_of(design::with_jumpers(graph, places))) {
+    const Costs costs{price.controller, [&](int from, int to) {
+                        const auto [a, b] = std::minmax(island.node[at(from)], island.node[at(to)]);
+                        return std::ranges::any_of(places,
+                                                   [&](const design::Jumper& j) { return j.node == std::array{a, b}; })
+                                   ? price.jumper
+                                   : 0.0;
+                      }};
+    const int by_size = (island.size() + capacity - 1) / capacity;
+    const auto [lower, upper] = ForestModel(island, capacity, by_size, costs).solve_for_price(time_limit_s);
+    interval.lower += lower;
+    interval.upper += upper;
+  }
   interval.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return interval;
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <vector>
+
+#include "triskin/design/jumper.hpp"
 #include "triskin/design/module_graph.hpp"
+#include "triskin/design/price.hpp"
 
 namespace triskin::bench {
 
@@ -18,5 +22,15 @@ struct PartitionInterval {
 /// search. This is the baseline that `triskin-bench routing` measures against. Cost: up to time_limit_s (> 0) per
 /// island; the interval depends on the machine.
 [[nodiscard]] PartitionInterval partition_by_milp(const design::ModuleGraph& graph, int capacity, double time_limit_s);
+
+/// Bounds the least price of controllers and jumpers from both sides; `upper` is infinite without a solution.
+struct PriceInterval {
+  double lower = 0.0, upper = 0.0, seconds = 0.0;
+};
+
+/// The same programme where jumpers may be fitted at `places`: an arc across a jumper costs price.jumper, a root
+/// price.controller. Cost: up to time_limit_s for each set of islands that the places join.
+[[nodiscard]] PriceInterval price_by_milp(const design::ModuleGraph& graph, const std::vector<design::Jumper>& places,
+                                          int capacity, const design::Price& price, double time_limit_s);
 
 }  // namespace triskin::bench
