@@ -23,6 +23,7 @@ enum class Gives {
   kTwoChips,     // the same at the other input; at the used one 0, 1,024 or 2,048 counts less, in turn
   kMiddleNew,    // in mid-sequence: the results that the configured offsets give
   kMiddleOld,    // in mid-sequence: the results of the sequence before
+  kNothing,      // no answer, or a mark that was not written: what is known of it is forgotten
 };
 
 struct Step {
@@ -64,6 +65,10 @@ class ChipSetupWay : public testing::TestWithParam<Case> {
       case Gives::kMiddleOld:
         setup_.on_middle(last_);
         return Next::kConfigureOffsets;
+      case Gives::kNothing:
+        setup_.forget_chip();
+        setup_.find();
+        return Next::kConfigure;
       case Gives::kRest:
       case Gives::kFourFarther:
       case Gives::kTwoChips:
@@ -147,9 +152,13 @@ INSTANTIATE_TEST_SUITE_P(
                                                 {Gives::kRest, Next::kConfigureOffsets, State::kShifted},
                                                 {Gives::kRest, Next::kConfigureOffsets, State::kLatching},
                                                 {Gives::kRest, Next::kSkip, State::kRun}})},
-        Case{"PowerDip",  // The chip is known to be single: its offsets are tried, and its readings count.
+        Case{"StuckLine",  // The chip is known to be single: its offsets are tried, and its readings count.
              joined(first_time(),
                     {{Gives::kId, Next::kConfigure, State::kSearch}, {Gives::kRest, Next::kUse, State::kRun}})},
+        Case{"PowerDip",  // A second chip may have joined it.
+             joined(joined(first_time(), joined({{Gives::kNothing, Next::kConfigure, State::kFind}}, kFound)),
+                    joined(kCompared, {{Gives::kRest, Next::kConfigure, State::kSearch},
+                                       {Gives::kRest, Next::kUse, State::kRun}}))},
         Case{"AnotherChip", joined(joined(first_time(), {{Gives::kOtherId, Next::kConfigure, State::kSearch},
                                                          {Gives::kRest, Next::kConfigure, State::kOther}}),
                                    joined(kCompared, {{Gives::kRest, Next::kConfigure, State::kSearch},
@@ -184,6 +193,26 @@ TEST(ChipSetup, ReadsTheOtherInputOnlyToTellOneChipFromTwo) {
     EXPECT_EQ(setup.stages().polarity, used);
     EXPECT_EQ(setup.stages().offsets[7], 31);
   }
+}
+
+// A chip that joins after the comparison is without the mark, which no later configuration writes.
+TEST(ChipSetup, MarksAChipBeforeItIsComparedAndNotAfter) {
+  ChipSetup setup;
+  PlaceOffsets place;
+  setup.begin(false);
+  for (int time = 0; time < 2; ++time) {
+    (void)setup.on_identity(0x1472, place);
+    EXPECT_EQ(setup.marks(), time == 0) << "the second time it is known to be single";
+    for (int reading = 0; reading < 12 && !setup.runs(); ++reading) {
+      (void)setup.on_results(results_of(setup.stages(), 31), place);
+      EXPECT_FALSE(setup.marks());
+    }
+    ASSERT_TRUE(setup.runs());
+    setup.find();
+  }
+  setup.forget_chip();
+  (void)setup.on_identity(0x1472, place);
+  EXPECT_TRUE(setup.marks());
 }
 
 // Four steps fewer in the first five stages: 27 of 31.

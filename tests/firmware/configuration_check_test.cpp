@@ -23,6 +23,18 @@ TEST(ConfigurationCheck, IsDueAfterEachSixteenthReading) {
   EXPECT_TRUE(check.due_after_reading());
 }
 
+TEST(ConfigurationCheck, IsDueAfterTheSecondSequenceThatCouldNotBeRead) {
+  ConfigurationCheck check;
+  check.confirmed();
+  EXPECT_FALSE(check.due_after_missing());
+  EXPECT_FALSE(check.due());
+  EXPECT_TRUE(check.due_after_missing());
+  EXPECT_TRUE(check.due());
+  EXPECT_TRUE(check.due_after_reading());
+  check.confirmed();
+  EXPECT_FALSE(check.due());
+}
+
 TEST(ConfigurationCheck, IsNeededBeforeAResultAtAnEndOfItsRangeCounts) {
   ConfigurationCheck check;
   ad7147::Results results = middle();

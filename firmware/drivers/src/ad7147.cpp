@@ -28,7 +28,7 @@ std::uint16_t Ad7147::device_id() const {
   return big16(in_);
 }
 
-void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages) {
+void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages, std::uint16_t mark) {
   ByteWriter w(out_);
   if (step < ad7147::kStages) {
     // Stage s converts only input s, single ended, with its offset at the same input and the clamps wide open.
@@ -55,9 +55,11 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
     w.be16(0x0000);  // So the control registers of the ambient compensation have no effect.
     w.be16(0x0000);
     w.be16(0x0000);
-    w.be16(0x0000);  // Threshold interrupts are off.
-    w.be16(0x0000);
-    w.be16(ad7147::kAllStages);  // The status reports complete stages; the interrupt pin is not connected.
+    w.be16(0x0000);  // Interrupts of the low thresholds are off.
+    if (mark != 0) {
+      w.be16(mark);
+      w.be16(ad7147::kAllStages);  // The status reports complete stages; the interrupt pin is not connected.
+    }
   } else {
     return begin_restart(line, address);
   }
@@ -96,12 +98,12 @@ std::uint16_t Ad7147::status() const {
 }
 
 void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
-  write_register(ad7147::kPowerControl);
+  write_register(ad7147::kHighInterruptEnable);
   line.start(address, std::span(out_).first(2), std::span(in_).first(2));
 }
 
-bool Ad7147::configuration_holds() const {
-  return big16(in_) == power_;
+std::uint16_t Ad7147::mark() const {
+  return big16(in_);
 }
 
 void Ad7147::begin_read(I2cLine& line, std::uint8_t address) {

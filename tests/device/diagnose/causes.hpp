@@ -30,16 +30,17 @@ enum class Cause {
   kLineHeld,
   kOtherFirmware,
   kWrongAddress,
+  kBrokenStrap,
   kSameNumber,
   kDriftingChip,
   kStuckTaxel,
   kLoosePlug,
 };
-inline constexpr std::array<const char*, 10> kCauseNames{
+inline constexpr std::array<const char*, 11> kCauseNames{
     "nothing is wrong",          "supply drop along the tree",  "one broken trace of a line",
     "a line held low",           "firmware of another release", "wrong straps of a module",
-    "two boards on one number",  "a chip that drifts",          "a taxel that sticks",
-    "a plug that comes and goes"};
+    "a strap that breaks later", "two boards on one number",    "a chip that drifts",
+    "a taxel that sticks",       "a plug that comes and goes"};
 
 /// A skin with one cause, and what a right finding says.
 class CauseDraw {
@@ -157,6 +158,17 @@ class CauseDraw {
         const auto& row = routed(module);
         return f.line != row.line || f.address != row.address;
       }
+      case Cause::kBrokenStrap: {  // It answers beside another module of its line, with its own configuration.
+        hardware::Fault& f = fault(Kind::kMovedChip);
+        f.module = layout::ModuleId{module};
+        f.line = routed(module).line;
+        f.address = any(layout::kAddressesPerLine);
+        f.from_us = kVerifyAt_us - 2'000'000;
+        modules_ = {module};
+        return std::ranges::any_of(scene_.design.patches[static_cast<std::size_t>(patch_)].modules, [&](const auto& m) {
+          return m.node != module && m.line == f.line && m.address == f.address;
+        });
+      }
       case Cause::kSameNumber: {
         const int other = any(scene_.design.patches.size());
         hardware::Fault& f = fault(Kind::kSameNumber);
@@ -221,7 +233,8 @@ class CauseDraw {
   [[nodiscard]] bool names_the_place(const diagnose::Finding& f) const {
     std::set<int> named;
     for (const layout::ModuleId m : f.behind) named.insert(m);
-    if (f.line < 0 || cause_ == Cause::kWrongAddress || modules_.contains(f.module)) named.insert(f.module);
+    if (f.line < 0 || cause_ == Cause::kWrongAddress || cause_ == Cause::kBrokenStrap || modules_.contains(f.module))
+      named.insert(f.module);
     switch (cause_) {
       case Cause::kSupplyDrop:
       case Cause::kBrokenTrace:
@@ -235,6 +248,7 @@ class CauseDraw {
       case Cause::kStuckTaxel:
         return modules_.contains(f.module) && f.taxel == taxel_;
       case Cause::kWrongAddress:
+      case Cause::kBrokenStrap:
       case Cause::kDriftingChip:
         return modules_.contains(f.module);
       case Cause::kNone:
@@ -282,6 +296,9 @@ class CauseDraw {
         break;
       case Cause::kWrongAddress:
         right = is({K::kWrongAddress, K::kDuplicateAddress});
+        break;
+      case Cause::kBrokenStrap:
+        right = is({K::kDuplicateAddress});
         break;
       case Cause::kSameNumber:
         right = is({K::kDuplicateController});

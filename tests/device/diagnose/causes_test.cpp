@@ -19,8 +19,9 @@ TEST_P(Causes, are_one_finding_with_their_place) {
 
 INSTANTIATE_TEST_SUITE_P(All, Causes,
                          testing::Values(Cause::kNone, Cause::kSupplyDrop, Cause::kBrokenTrace, Cause::kLineHeld,
-                                         Cause::kOtherFirmware, Cause::kWrongAddress, Cause::kSameNumber,
-                                         Cause::kDriftingChip, Cause::kStuckTaxel, Cause::kLoosePlug),
+                                         Cause::kOtherFirmware, Cause::kWrongAddress, Cause::kBrokenStrap,
+                                         Cause::kSameNumber, Cause::kDriftingChip, Cause::kStuckTaxel,
+                                         Cause::kLoosePlug),
                          [](const auto& tested) {
                            std::string name = kCauseNames[static_cast<std::size_t>(tested.param)];
                            std::ranges::replace(name, ' ', '_');

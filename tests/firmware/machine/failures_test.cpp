@@ -33,7 +33,9 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
       if (is_broken || is_doubled) {
         EXPECT_GE(named, 1) << "failure " << static_cast<int>(f) << " of module " << m;
         for (const auto& t : list) {
-          const bool fine = t.state == expected || t.state == ModuleState::kOk || t.state == ModuleState::kUnknown;
+          // A second chip spoils the mark of the first one, before both are compared.
+          const bool fine = t.state == expected || t.state == ModuleState::kOk ||
+                            (is_doubled && t.state == ModuleState::kLostConfiguration);
           EXPECT_TRUE(fine) << "failure " << static_cast<int>(f) << " of module " << m << " called "
                             << static_cast<int>(t.state);
         }
@@ -49,14 +51,12 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
 
   void one(Failure f, const std::vector<int>& broken) {
     for (const int m : broken) inject(f, line_of(m), m, now_us());
-    if (f == Failure::kMoved) self_test();
-    if (f == Failure::kMoved) run_for(250'000);  // All sixteen are searched anew.
+    if (f == Failure::kMoved) run_for(250'000);  // Two chips are compared with each other's offsets.
     frames.clear();
     const std::uint64_t window_us = f == Failure::kFrozen || f == Failure::kMoved ? 600'000 : 400'000;
     run_for(window_us);
     expect_named(f, broken, window_us);
     for (const int m : broken) repair(f, line_of(m), m);
-    if (f == Failure::kMoved) self_test();
     run_for(f == Failure::kMoved ? 1'800'000 : 300'000);
     frames.clear();
     run_for(50'000);

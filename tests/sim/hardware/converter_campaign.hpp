@@ -27,14 +27,22 @@
 /// controller on them: which module does it refuse, which fault does it miss?
 namespace triskin::test {
 
-enum class PatchFault { kNone, kDoubledAddress, kDeadChip, kOpenLine, kStuckTaxel, kShortedTaxel };
-inline constexpr std::array<const char*, 6> kPatchFaultNames{"none",      "doubled address", "dead chip",
-                                                             "open line", "stuck taxel",     "shorted taxel"};
+enum class PatchFault {
+  kNone,
+  kDoubledAddress,
+  kDoubledLater,  ///< in the first three seconds the chip moves to the address of another one, with or without a reset
+  kDeadChip,
+  kOpenLine,
+  kStuckTaxel,
+  kShortedTaxel
+};
+inline constexpr std::array<const char*, 7> kPatchFaultNames{
+    "none", "doubled address", "doubled later", "dead chip", "open line", "stuck taxel", "shorted taxel"};
 
 /// Changes each drawn chip, to see what is borne beyond the ranges.
 using ChipChange = std::function<void(hardware::Ad7147Behaviour&)>;
 
-/// What became of the modules of one patch after five seconds.
+/// What became of the modules of one patch five seconds after its last change.
 struct PatchResult {
   std::string description;       ///< what was drawn, and which modules are not as they should be
   int healthy = 0, refused = 0;  ///< modules without a fault; of these, those that are not in order
@@ -54,8 +62,8 @@ class CampaignPatch {
   }
 
   PatchResult run() {
-    controller_->run_until(kAllowed_us);
-    now_us_ = kAllowed_us;
+    now_us_ = joins_us_ + kAllowed_us;
+    controller_->run_until(now_us_);
     PatchResult result;
     wire::ModuleStates states = ask_states();
     if (fault_ == PatchFault::kStuckTaxel) {
@@ -87,6 +95,7 @@ class CampaignPatch {
     Electrodes electrodes;
     std::unique_ptr<hardware::Ad7147> chip;
     int line = 0, address = 0;
+    int later_address = -1;  // from joins_us_ on
     bool attached = true;
     wire::ModuleState expected = wire::ModuleState::kOk;
   };
@@ -129,11 +138,18 @@ class CampaignPatch {
       case PatchFault::kNone:
         return;
       case PatchFault::kDoubledAddress:
+      case PatchFault::kDoubledLater:
         for (Module& other : modules_) {
           if (other.line != one.line || other.address != (one.address + 1) % layout::kAddressesPerLine) continue;
           one.expected = wire::ModuleState::kAbsent;
           other.expected = wire::ModuleState::kDuplicate;
-          one.address = other.address;
+          if (fault_ == PatchFault::kDoubledAddress) {
+            one.address = other.address;
+            return;
+          }
+          one.later_address = other.address;
+          joins_us_ = static_cast<std::uint64_t>(below(3'000'000));
+          if (below(2) == 0) one.chip->schedule_power_dip(joins_us_, 0);
           return;
         }
         return;
@@ -175,7 +191,10 @@ class CampaignPatch {
                           k == 0 ? layout::kCable : std::uint8_t{1}};
     }
     for (Module& m : modules_) {
-      if (m.attached) lines_[static_cast<std::size_t>(m.line)].attach(*m.chip, layout::cdc_address(m.address));
+      if (!m.attached) continue;
+      lines_[static_cast<std::size_t>(m.line)].attach(*m.chip, [this, &m](std::uint64_t at_us) {
+        return int{layout::cdc_address(m.later_address >= 0 && at_us >= joins_us_ ? m.later_address : m.address)};
+      });
     }
     controller_ = sim::make_virtual_controller(
         {{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &flash_, {1, 2, 3}, [this](const wire::CanFrame& f) {
@@ -249,6 +268,7 @@ class CampaignPatch {
 
   static constexpr std::uint8_t kNode = 1;
   PatchFault fault_;
+  std::uint64_t joins_us_ = 0;
   std::mt19937 random_;
   std::array<Module, layout::kMaxModules> modules_;
   std::array<hardware::I2cLineModel, layout::kLines> lines_;

@@ -158,7 +158,7 @@ void LineSampler::start_next(std::uint64_t now_us) {
 void LineSampler::start_transaction(Chip& chip) {
   if (chip.configuration.running) return start(Job::kConfigure);
   if (chip.setup.state() == ChipSetup::State::kFind) return start(Job::kIdentify);
-  if (chip.setup.runs()) return start(Job::kVerify);
+  if (chip.setup.runs() || chip.check.due()) return start(Job::kVerify);
   // A reading in mid-sequence says nothing when it ends after the sequence of the fastest chip.
   const std::uint64_t late_us = sequence_us() / 100 * (LatchProbe::kEnd_percent - LatchProbe::kBegin_percent);
   if (job_start_us_ + ReadingSchedule::kBurst_us <= schedule_.transaction_us(current_) + late_us)
@@ -178,7 +178,8 @@ void LineSampler::start(Job job) {
     case Job::kConfigure:
       if (chip.configuration.offsets_only)
         return driver_.begin_offsets(*line_, address, chip.configuration.step, chip.setup.stages());
-      return driver_.begin_configure(*line_, address, chip.configuration.step, chip.setup.stages());
+      return driver_.begin_configure(*line_, address, chip.configuration.step, chip.setup.stages(),
+                                     chip.setup.marks() ? mark_of(chip) : std::uint16_t{0});
     case Job::kRead:
     case Job::kProbe:
       return driver_.begin_read(*line_, address);
@@ -198,9 +199,11 @@ void LineSampler::start(Job job) {
 // Sequences that passed unread skip their numbers. None is missing before the first one that was read: Application
 // numbers what a module without data reports.
 void LineSampler::count_missed() {
-  for (const Chip& chip : chips()) {
+  for (Chip& chip : chips()) {
     const std::uint32_t missed = schedule_.take_missed(number_of(chip));
+    if (missed == 0) continue;
     if (chip.was_read) reading_of(chip).number += missed;
+    if (chip.check.due_after_missing()) schedule_.plan_transaction(number_of(chip), 0, ReadingSchedule::kShort_us);
   }
 }
 
@@ -226,7 +229,10 @@ void LineSampler::finish(Status status, std::uint64_t now_us) {
   if (status != Status::kOk) {
     ++bus_errors_;
     if (job == Job::kStatus || job == Job::kRestart) return schedule_.failed(current_);
-    if (chip.setup.runs()) chip.presence.lost(now_us);
+    if (chip.setup.runs()) {
+      chip.presence.lost(now_us);
+      for (Chip& other : chips()) other.check.require();  // It may answer at another address now.
+    }
     chip.setup.forget_chip();
     return give_up(chip, ModuleState::kAbsent, now_us);
   }
@@ -236,6 +242,7 @@ void LineSampler::finish(Status status, std::uint64_t now_us) {
       (void)chip.setup.on_identity(driver_.device_id(), place_of(chip));
       return configure(chip, false);
     case Job::kIdentifyUnconfigured:
+      chip.setup.forget_chip();
       return give_up(chip,
                      driver_.finish_identify() == Status::kOk ? ModuleState::kLostConfiguration : ModuleState::kWrongId,
                      now_us);
@@ -248,8 +255,8 @@ void LineSampler::finish(Status status, std::uint64_t now_us) {
       return schedule_.cancel_transaction(current_);
     case Job::kVerify:
     case Job::kVerifyReading:
-      // The power dipped, or this is another chip.
-      if (!driver_.configuration_holds()) return start(Job::kIdentifyUnconfigured);
+      // The power dipped, this is another chip, or a second one has joined it.
+      if (driver_.mark() != mark_of(chip)) return start(Job::kIdentifyUnconfigured);
       chip.check.confirmed();
       schedule_.cancel_transaction(current_);
       if (job == Job::kVerifyReading) publish(chip, now_us);
@@ -282,6 +289,7 @@ void LineSampler::finish_configure(Chip& chip) {
   if (++configuration.step < configuration.steps()) return;
   configuration.running = false;
   chip.check.confirmed();
+  chip.check.require();
   chip.frozen.restart();
   const std::uint64_t started_us = line_->ended_us();
   schedule_.start(current_, started_us, chip.setup.latching());

@@ -13,7 +13,7 @@ namespace triskin::fw {
 
 /// The registers of the AD7147 (data sheet rev. E, tables 14–36) have 16-bit addresses and values, big-endian.
 namespace ad7147 {
-inline constexpr std::uint16_t kPowerControl = 0x000, kAmbientControl = 0x002, kInterruptEnable = 0x005,
+inline constexpr std::uint16_t kPowerControl = 0x000, kAmbientControl = 0x002, kHighInterruptEnable = 0x006,
                                kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
 /// Returns full power with twelve stages; bits 8 and 9 select the decimation.
 [[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) {
@@ -23,6 +23,12 @@ inline constexpr std::uint16_t kAllStages = layout::kAllTaxels;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< The low nibble is the revision.
 inline constexpr int kStages = layout::kTaxelsPerModule;
 using Results = std::array<std::uint16_t, kStages>;
+/// The mark of the place 0 … 15 (line and address), which is kept in kHighInterruptEnable: with every stage's
+/// calibration off, its bits 0 … 11 only drive the interrupt pin, which is not connected. It is 0 after a reset. Four
+/// of eight bits are set, so the wired AND of two different marks, or of a mark and 0, is neither.
+[[nodiscard]] constexpr std::uint16_t mark(std::size_t place) {
+  return static_cast<std::uint16_t>((place & 0xF) | (~place & 0xF) << 4);
+}
 inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
 /// This bit of kAmbientControl restarts the sequence at stage 0, keeps the results and clears itself.
 inline constexpr std::uint16_t kConvReset = 0x8000;
@@ -63,8 +69,8 @@ class Ad7147 {
   /// Writes the configuration in `kConfigurationSteps` transfers: first the stages, then power and calibration, finally
   /// the restart of the sequence. A write to power control alone may leave the sequence anywhere.
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
-  /// Starts transfer `step`, 0 … kConfigurationSteps − 1, in this order.
-  void begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages);
+  /// Starts transfer `step`, 0 … kConfigurationSteps − 1, in this order. `mark` is written, too, unless it is 0.
+  void begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages, std::uint16_t mark);
 
   /// Writes only the offsets of the first `kOffsetStages` stages, in `kOffsetSteps` transfers between two restarts of
   /// the sequence, so that no sequence ends in between.
@@ -82,10 +88,10 @@ class Ad7147 {
   /// Returns what begin_status() read: bit s for stage s, 0..11.
   [[nodiscard]] std::uint16_t status() const;
 
-  /// Reads back power control, which a power dip would clear: 0 is its reset value and never written.
+  /// Reads back the mark, which a power dip clears and a second chip at the address spoils.
   void begin_verify(I2cLine& line, std::uint8_t address);
-  /// Returns true when begin_verify() read what was written, so that no reset happened in between.
-  [[nodiscard]] bool configuration_holds() const;
+  /// Returns the mark that begin_verify() read.
+  [[nodiscard]] std::uint16_t mark() const;
 
   /// Reads twelve results in one burst of 28 bytes.
   void begin_read(I2cLine& line, std::uint8_t address);

@@ -57,6 +57,9 @@ class ChipSetup {
   /// Results that were read in mid-sequence, between those of `shifted` and `latching`.
   void on_middle(const ad7147::Results& results) { latch_.store(results); }
 
+  /// True if the mark of the place is written with stages(). It is written before the comparison of both inputs and not
+  /// after it: a chip that joins later is without it, and both are found to be without it.
+  [[nodiscard]] bool marks() const { return state_ == State::kSearch && !single_; }
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] bool runs() const { return state_ == State::kRun; }
   [[nodiscard]] Ad7147::Stages stages() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 
 #include "triskin/drivers/ad7147.hpp"
@@ -20,9 +21,18 @@ class ConfigurationCheck {
   /// end of its range.
   [[nodiscard]] bool needed_for(const ad7147::Results& results);
   /// Notes that results were used without a check. Returns true if a check is due, when the line has time for it.
-  [[nodiscard]] bool due_after_reading() { return ++unchecked_ >= kEvery; }
+  [[nodiscard]] bool due_after_reading() { return due_after(1); }
+  /// The same after a sequence that could not be read; the second one makes a check due. Without its configuration a
+  /// chip shows no end of a sequence, and would be waited for.
+  [[nodiscard]] bool due_after_missing() { return due_after(kEvery / 2); }
+  [[nodiscard]] bool due() const { return unchecked_ >= kEvery; }
 
  private:
+  [[nodiscard]] bool due_after(int readings) {
+    unchecked_ = static_cast<std::uint8_t>(std::min(unchecked_ + readings, int{kEvery}));
+    return due();
+  }
+
   std::uint8_t unchecked_ = 0;  // Readings are counted from the last check.
   bool required_ = false;
 };

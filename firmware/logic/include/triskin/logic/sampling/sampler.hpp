@@ -86,9 +86,9 @@ class LineSampler {
     kIdentifyUnconfigured,  // the chip has lost its configuration; is it still an AD7147?
     kConfigure,
     kRead,
-    kProbe,  // of results in mid-sequence
-    kVerify,
-    kVerifyReading,  // the results that were read count only if the configuration is right
+    kProbe,          // of results in mid-sequence
+    kVerify,         // the mark of the place
+    kVerifyReading,  // the results that were read count only if the mark is right
     kStatus,
     kRestart
   };
@@ -127,9 +127,11 @@ class LineSampler {
   void count_missed();
   [[nodiscard]] bool must_repeat_start();
   [[nodiscard]] std::uint64_t lasted_us() const { return line_->ended_us() - line_->started_us(); }
-  [[nodiscard]] PlaceOffsets& place_of(const Chip& chip) {
-    return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + chip.address];
+  [[nodiscard]] std::size_t place_number(const Chip& chip) const {
+    return static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + chip.address;
   }
+  [[nodiscard]] PlaceOffsets& place_of(const Chip& chip) { return (*offsets_)[place_number(chip)]; }
+  [[nodiscard]] std::uint16_t mark_of(const Chip& chip) const { return ad7147::mark(place_number(chip)); }
   [[nodiscard]] ModuleReading& reading_of(const Chip& chip) { return readings_[index_of(chip.row)]; }
   [[nodiscard]] std::size_t number_of(const Chip& chip) const {
     return static_cast<std::size_t>(&chip - chips_.data());
