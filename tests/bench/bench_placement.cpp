@@ -77,6 +77,7 @@ nlohmann::json hair(double missing_mm, placement::PlacementOptions options) {
     disc.outer.push_back((60.0 - missing_mm) *
                          design::Vec2(std::cos(2 * M_PI * k / 361), std::sin(2 * M_PI * k / 361)));
   options.tolerance_mm = 1e-7;
+  options.time_limit_s = 0.0;  // No limit, so that cells are the same in each run.
   const double start = processor_s();
   const placement::PlacementResult r = placement::place(disc, options);
   return {{"series", "hair"},
@@ -171,10 +172,10 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
       add("area", rough, 80, a, count);
     }
   }
-  for (const double missing_mm : {0.3, 0.03, 0.003, 3e-4, 3e-5, 3e-6}) {
+  for (const double missing_mm : {0.3, 0.03, 0.003, 3e-4}) {
     rows.push_back(hair(missing_mm, count));
   }
-  for (const double limit_s : {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2}) {
+  for (const double limit_s : {0.05, 0.2, 0.8, 2.0}) {
     add("anytime", true, 200, 10000, with([limit_s](auto& o) { o.time_limit_s = limit_s; }));
     rows.back()["limit_s"] = limit_s;
   }

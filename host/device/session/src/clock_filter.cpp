@@ -201,8 +201,11 @@ LinkTime ClockFilter::at(std::uint64_t device_us, std::uint64_t link_us) const {
   double best = best_.offset_us + best_.drift_ppm * (at_s - reference_s_);
   best = possible ? std::min(std::max(best, r.min_us), r.max_us) : r.max_us;
   const double error = std::max(r.max_us - best, best - r.min_us) + kResolution_us;
-  const double link = std::max(0.0, static_cast<double>(link_origin_us_) + device + best);
-  const auto us = static_cast<std::uint64_t>(std::llround(link));
+  // Added as integers, because doubles of more than 2^53 µs have no single microseconds.
+  const std::int64_t later_us = std::llround(device + best);
+  const std::uint64_t back_us = later_us < 0 ? static_cast<std::uint64_t>(-later_us) : 0;
+  const std::uint64_t us = later_us < 0 ? link_origin_us_ - std::min(link_origin_us_, back_us)
+                                        : link_origin_us_ + static_cast<std::uint64_t>(later_us);
   if (!bounded() || !possible || error >= static_cast<double>(LinkTime::kUnbounded)) return {us, LinkTime::kUnbounded};
   return {us, static_cast<std::uint32_t>(std::ceil(error))};
 }

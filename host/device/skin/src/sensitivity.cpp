@@ -54,7 +54,8 @@ std::optional<SensitivityLine> fit_sensitivity(std::span<const CalibrationPoint>
     sxy += p.samples * (p.pressure_kpa - mean_kpa) * (mean_counts - p.value_counts);
   }
   const double slope = sxy / sxx;
-  if (!(slope > 0.0)) return std::nullopt;
+  // Pressures so close that the square of their difference is no number (1e-160 kPa) tell no slope.
+  if (!(slope > 0.0) || !std::isfinite(slope)) return std::nullopt;
   SensitivityLine line{{.counts_per_kpa = slope}, mean_counts + slope * mean_kpa};
   double squares = 0.0;
   for (const CalibrationPoint& p : points) {
