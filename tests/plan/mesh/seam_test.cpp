@@ -154,31 +154,39 @@ int seam_meshes() {
   return text != nullptr ? std::atoi(text) : 20;
 }
 
-TEST(DamagedSeams, lose_nothing_that_is_not_named) {
+void expect_no_unnamed_loss(int k) {
   constexpr std::array<const char*, 10> kCovers{
       "HIP_v1",         "LH_hipwing_v1",   "LT_root_v2",     "LUA_upperarm_half_v1", "RFA_forearm_v1",
       "RUF_forearm_v2", "SHANK_front_v25", "UA_upperarm_v1", "UL_upperleg_v1",       "UT_torso_v1"};
+  const char* name = kCovers[static_cast<std::size_t>(k) % kCovers.size()];
+  SCOPED_TRACE(fmt::format("{} seed {}", name, k));
+  test::Dice dice(static_cast<std::uint64_t>(k) + 5700);
+  const Mesh original = mesh::read_mesh(test::data_folder() / "parts" / fmt::format("{}.obj", name)).mesh;
+  Mesh damaged = original;
+  const std::vector<std::size_t> places = damage_seams(damaged, dice);
+  const Extraction before = mesh::extract(original, as_the_program());
+  const Extraction e = mesh::extract(test::read_back(damaged), as_the_program());
+  const Loss clean = loss_of(original, before, original, {}, dice), loss = loss_of(original, e, damaged, places, dice);
+  // Reading moves points by 1e-6 of the size of at most 1 m; of the area of a needle nothing is known.
+  EXPECT_LE(loss.away_mm, loss.stated_mm + 1e-3);
+  EXPECT_NEAR(loss.lost_mm2 - clean.lost_mm2, loss.dropped_mm2 - clean.dropped_mm2,
+              1e-5 * mesh::area_of(original) + 10.0 * loss.stated_mm);
+  if (std::getenv("TRISKIN_SEAM_TABLE") != nullptr)
+    fmt::print("{} seed {}: {} stated {:.6f} mm found {:.6f} mm, area {:.3f} mm² less, {} dropped of {:.3f} mm²\n",
+               name, k, mesh::kRepairNames.name(e.report.repair), loss.stated_mm, loss.away_mm,
+               loss.lost_mm2 - clean.lost_mm2, loss.dropped, loss.dropped_mm2);
+}
+
+TEST(DamagedSeams, lose_nothing_that_is_not_named) {
   if (!std::filesystem::exists(test::data_folder())) GTEST_SKIP() << "needs the covers of TRISKIN_DATA";
-  for (int k = 0; k < seam_meshes(); ++k) {
-    const char* name = kCovers[static_cast<std::size_t>(k) % kCovers.size()];
-    SCOPED_TRACE(fmt::format("{} seed {}", name, k));
-    test::Dice dice(static_cast<std::uint64_t>(k) + 5700);
-    const Mesh original = mesh::read_mesh(test::data_folder() / "parts" / fmt::format("{}.obj", name)).mesh;
-    Mesh damaged = original;
-    const std::vector<std::size_t> places = damage_seams(damaged, dice);
-    const Extraction before = mesh::extract(original, as_the_program());
-    const Extraction e = mesh::extract(test::read_back(damaged), as_the_program());
-    const Loss clean = loss_of(original, before, original, {}, dice),
-               loss = loss_of(original, e, damaged, places, dice);
-    // Reading moves points by 1e-6 of the size of at most 1 m; of the area of a needle nothing is known.
-    EXPECT_LE(loss.away_mm, loss.stated_mm + 1e-3);
-    EXPECT_NEAR(loss.lost_mm2 - clean.lost_mm2, loss.dropped_mm2 - clean.dropped_mm2,
-                1e-5 * mesh::area_of(original) + 10.0 * loss.stated_mm);
-    if (std::getenv("TRISKIN_SEAM_TABLE") != nullptr)
-      fmt::print("{} seed {}: {} stated {:.6f} mm found {:.6f} mm, area {:.3f} mm² less, {} dropped of {:.3f} mm²\n",
-                 name, k, mesh::kRepairNames.name(e.report.repair), loss.stated_mm, loss.away_mm,
-                 loss.lost_mm2 - clean.lost_mm2, loss.dropped, loss.dropped_mm2);
-  }
+  for (int k = 0; k < seam_meshes(); ++k) expect_no_unnamed_loss(k);
+}
+
+// Here a local repair leaves out five faces of 31.6 mm² at one place, and 52.0 mm² of four faces that others replace
+// for the rest.
+TEST(DamagedSeams, what_a_local_repair_leaves_out_is_named) {
+  if (!std::filesystem::exists(test::data_folder())) GTEST_SKIP() << "needs the covers of TRISKIN_DATA";
+  for (const int k : {230, 271}) expect_no_unnamed_loss(k);
 }
 
 }  // namespace

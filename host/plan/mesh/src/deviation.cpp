@@ -28,6 +28,8 @@ constexpr int kMaxDivisions = 40'000;
 constexpr std::size_t kBatch = 64;  // At least this many are divided side by side.
 // The clock is not read before, so that the bound is no guess; this takes some 0.1 s.
 constexpr std::size_t kMinSteps = 20'000;
+constexpr double kMissing_mm2 = 0.05;  // Missing areas are resolved to this; a part that is named has kMinPart_mm2.
+constexpr double kMinPart_mm2 = 1.0;   // Smaller parts are left to the deviation; a module has 390 mm².
 constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the middles of this many triangles.
 
 using geometry::Triangle, geometry::area_of;
@@ -138,13 +140,27 @@ struct Open {
   Triangle part{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
 };
 
+std::array<Triangle, 4> quarters_of(const Triangle& t) {
+  const Vec3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
+  return {Triangle{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}};
+}
+
+// Returns the area of the triangle farther than within_mm from the other mesh; what lies at the limit is divided down
+// to kMissing_mm2.
+double missing_mm2(const Way& way, const Triangle& t, double within_mm) {
+  const Bounds bounds = way.bounds_of(t, within_mm);
+  if (bounds.upper <= within_mm) return 0.0;
+  if (area_of(t) <= kMissing_mm2) return bounds.lower > within_mm ? area_of(t) : 0.0;
+  double sum = 0.0;
+  for (const Triangle& part : quarters_of(t)) sum += missing_mm2(way, part, within_mm);
+  return sum;
+}
+
 // Splits faces into two halves along the longest side of their box, and a single triangle into four.
 void divide(const Open& open, std::vector<Open>& parts) {
   const auto add_part = [&](const Triangle& t) { parts.push_back({.upper = open.upper, .way = open.way, .part = t}); };
   if (open.faces.empty()) {
-    const Triangle& t = open.part;
-    const Vec3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
-    for (const Triangle& part : {Triangle{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}}) add_part(part);
+    for (const Triangle& part : quarters_of(open.part)) add_part(part);
     return;
   }
   if (open.faces.size() <= 4) {
@@ -258,6 +274,21 @@ std::vector<DroppedPart> parts_beyond(const Mesh& input, const std::vector<bool>
   std::vector<bool> is_dropped(input.faces.size());
   for (std::size_t k = 0; k < is_beyond.size(); ++k) is_dropped[at(way.changed_faces()[k])] = is_beyond[k] != 0;
   return parts_of_faces(input, is_dropped);
+}
+
+std::vector<DroppedPart> missing_parts(const Mesh& input, const std::vector<bool>& counted, const Mesh& result,
+                                       double within_mm) {
+  Way way(input, counted, result);
+  std::vector<double> missing(way.changed().size());
+  tbb::parallel_for(std::size_t{0}, missing.size(),
+                    [&](std::size_t k) { missing[k] = missing_mm2(way, way.changed()[k], within_mm); });
+  std::vector<double> of_face(input.faces.size(), kAllThere);
+  for (std::size_t k = 0; k < missing.size(); ++k) {
+    if (missing[k] > 0.0) of_face[at(way.changed_faces()[k])] = missing[k];
+  }
+  std::vector<DroppedPart> parts = parts_of_faces(input, of_face);
+  std::erase_if(parts, [](const DroppedPart& part) { return part.area_mm2 < kMinPart_mm2; });
+  return parts;
 }
 
 }  // namespace triskin::mesh

@@ -449,6 +449,10 @@ class Repairer {
       report(progress_, "measuring the repair", 0.9);
       r.deviation = deviation_between(reference_.mesh, reference_.outside, e.surface, time_.part(kMeasureShare));
       r.deviation.largest_mm += kWelding * diagonal_of(mesh_);
+      if (way == Repair::kLocal) {
+        const auto missing = missing_parts(reference_.mesh, reference_.outside, e.surface, 2.0 * kApart_mm);
+        r.dropped.insert(r.dropped.end(), missing.begin(), missing.end());
+      }
       if (!best_ || r.deviation.largest_mm < best_->report.deviation.largest_mm) best_ = std::move(e);
     } catch (const InputError&) {
       // This method left nothing large enough, so the next one is tried.

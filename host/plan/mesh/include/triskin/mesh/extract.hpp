@@ -18,7 +18,7 @@ namespace triskin::mesh {
 /// Connected faces of the input that are not in the surface: small, hidden or enclosed ones, fins at edges with more
 /// than two faces.
 struct DroppedPart {
-  double area_mm2 = 0.0;
+  double area_mm2 = 0.0;         ///< Of faces that are there in part, what is missing.
   Vec3 where_mm = Vec3::Zero();  ///< middle of its largest face
   int faces = 0;
 };
