@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hands what people have to the program and holds what it says against what is right, kind by kind.
-Usage: inputs_test.py TRISKIN WRITE_STRIP PART.step PYTHON_FOLDER TRIALS PAGE [--write] [KIND]
-PAGE (docs/measurements/inputs.md) is the table of all members, which --write makes anew. PYTHON_FOLDER may be empty.
+Usage: inputs_test.py TRISKIN WRITE_STRIP PART.step PYTHON_FOLDER TRIALS PAGE NODE NODE_MODULES [--write] [KIND]
+PAGE (docs/measurements/inputs.md) is the table of all members, which --write makes anew. PYTHON_FOLDER and NODE may be empty.
 TRIALS is the folder of the files that were recreated from reports; they are left out where it is not there.
 Exit status: 0 all are answered rightly and each kind has eight members, three of them found here; 1 otherwise."""
+import base64
 import csv
 import gzip
 import html
@@ -22,11 +23,12 @@ import xml.etree.ElementTree as tree
 import members as m
 from members import FOUND, REPORTED
 
-TRISKIN, WRITE_STRIP, STEP, PYTHON, TRIALS, PAGE = sys.argv[1:7]
-WRITES = "--write" in sys.argv[7:]
-ONLY = [a for a in sys.argv[7:] if a != "--write"]
+TRISKIN, WRITE_STRIP, STEP, PYTHON, TRIALS, PAGE, NODE, NODE_MODULES = sys.argv[1:9]
+WRITES = "--write" in sys.argv[9:]
+ONLY = [a for a in sys.argv[9:] if a != "--write"]
 GOOD_STEP = pathlib.Path(STEP).read_text(encoding="utf-8")
 ALL = []
+STRIP = ""  # a design, once it is written
 
 
 def add(kind, what, who, files, command, status, pattern):
@@ -65,10 +67,28 @@ def recordings(own, count):
             ("list of a bag of ROS 2", "metadata.yaml", b"rosbag2_bagfile_information:\n  version: 5\n", r"the list of a bag of ROS 2 .*give the \.mcap beside it"),
             ("HDF5 of record", "a.h5", b"\x89HDF\r\n\x1a\n" + bytes(90), "an HDF5 file; give an MCAP"),
             ("compressed recording", "a.mcap.zst", b"\x28\xb5\x2f\xfd" + bytes(20), "Zstandard data; unpack it with unzstd"),
+            ("log of PX4", "a.ulg", b"ULog\x01\x12\x35\x01" + bytes(20), r"a log of PX4 \(ULog\); give an MCAP"),
+            ("measurement of LabVIEW", "a.tdms", b"TDSm" + bytes(40), r"a measurement of LabVIEW \(TDMS\); give an MCAP"),
+            ("mesh", "a.obj", m.obj(m.block()), r"a mesh \(OBJ\); give an MCAP"),
             ("array of NumPy", "a.npy", b"\x93NUMPY\x01\0v\0", "an array of NumPy; give an MCAP"),
             ("something unknown", "a.dat", b"\1\2\3\4" * 40, r"not an MCAP file \(wrong first bytes\); give one that")]:
         add(k, what, FOUND, {name: data}, f"replay {name}", 2, pattern)
     add(k, "table given to recover", FOUND, {"a.csv": b"link_time_us,device_time_us\n1,2\n2,3\n"}, "recover a.csv -o b.mcap", 2, r"a table of text \(CSV\); give an MCAP")
+    no_design = r"holds samples of a skin \(/skin/.*but not its design: .*add the design to this one as the attachment design\.json"
+    add(k, "attachments behind the samples", FOUND, {"a.mcap": m.with_attachments(own, "behind")}, "replay a.mcap --speed 0", 0, count)
+    add(k, "attachments left out", FOUND, {"a.mcap": m.with_attachments(own, "none")}, "replay a.mcap --speed 0", 2, no_design)
+    add(k, "attachments left out, shown in the browser", FOUND, {"a.mcap": m.with_attachments(own, "none")}, "export a.mcap --format html -o a.html", 2, no_design)
+    add(k, "recording of a camera", FOUND, {"a.mcap": m.recording_of("/camera", "sensor_msgs/msg/Image")}, "replay a.mcap", 2, r"holds /camera, but nothing of a skin; give a file that \"triskin record\"")
+    add(k, "recording without a message", FOUND, {"a.mcap": m.recording_of("", "")}, "replay a.mcap", 2, r"holds no message; give a file that \"triskin record\"")
+    add(k, "cut before its first sample", FOUND, {"a.mcap": own[:600]}, "replay a.mcap", 2, r"was cut before its first sample \(ends at byte 600 without having been closed\)")
+    add(k, "empty file", FOUND, {"a.mcap": b""}, "replay a.mcap", 2, "not an MCAP file: it is empty; give one")
+    add(k, "empty file given to recover", FOUND, {"a.mcap": b""}, "recover a.mcap -o b.mcap", 2, "not an MCAP file: it is empty; give one")
+    add(k, "folder of a bag of ROS 2", FOUND, {}, "replay .", 2, r"is a folder; give a recording in it, as .*_0\.mcap")
+    add(k, "extension in capitals, read", FOUND, {"A.MCAP": own}, "export A.MCAP --format html -o a.html", 0, r"a\.html")
+    for name in ("A.MCAP", "A.CSV"):
+        add(k, f"extension in capitals, written: {name}", FOUND, {}, f"record strip.json --link sim --seconds 0.1 -o {name}", 0, f"-> {re.escape(name)}")
+    add(k, "divided by time: parts from _0 on, as rosbag2 names them", FOUND, {}, "record strip.json --link sim --seconds 2.5 --split 1s -o a.mcap", 0, r"-> a_2\.mcap and 2 files before it")
+    add(k, "divided by nothing", FOUND, {}, ["record", "strip.json", "--link", "sim", "--split", "", "-o", "a.mcap"], 2, "--split: the value is empty")
     add(k, "disk that is full after 100 kB", REPORTED, {}, ("limited", 100, "record strip.json --link sim --seconds 600 -o a.mcap", "replay a.mcap --speed 0"), 0, r"(?s)a\.mcap: .*File too large.*module samples in")
     add(k, "disk that is full after 100 kB, HDF5", REPORTED, {}, ("limited", 100, "record strip.json --link sim --seconds 600 -o a.h5", ""), 0, r"a\.h5: .*|without HDF5")
     add(k, "disk that is full after 100 kB, CSV", FOUND, {}, ("limited", 100, "record strip.json --link sim --seconds 600 -o a.csv", ""), 0, r"a\.csv: .*File too large")
@@ -101,6 +121,20 @@ def switched_off():
     mesh(k, "glTF: visibility true", FOUND, "a.gltf", m.gltf([{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": True}}}]), 0, BLOCK)
     for what, style in [("opacity 0", 'opacity="0"'), ("opacity 0 in its style", 'style="fill:red;opacity:0.0"'), ("visibility hidden", 'visibility="hidden"')]:
         add(k, f"SVG: {what}", FOUND, {"a.svg": m.svg(f'<rect width="150" height="120" style="opacity:0.5;fill-opacity:0"/><rect x="300" width="50" height="50" {style}/>')}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+    square = '<rect x="300" width="50" height="50" {}/>'
+    for what, sheet, attributes in [
+            ("not painted by a class of the style sheet", ".h{fill:none;stroke:none}", 'class="x h"'),
+            ("hidden by its id in the style sheet", "/* off */ #k { display : none }", 'id="k"'),
+            ("hidden by two classes, marked as important", ".a.b{visibility:hidden !important}", 'class="b a" style="visibility:visible"')]:
+        add(k, f"SVG: {what}", FOUND, {"a.svg": m.svg(f'<style>{sheet}</style><rect width="150" height="120"/>{square.format(attributes)}')}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+    for what, sheet, pattern in [("style sheet in another file", "@import url(a.css);", "the style sheet is in another file"),
+                                 ("selector of a kind that is not read", "g > rect{display:none}", 'the selector "g > rect", which is not read'),
+                                 ("paint under a condition", "@media (min-width:9px){rect{fill:none}}", "paints under the condition")]:
+        add(k, f"SVG: {what}", FOUND, {"a.svg": m.svg(f'<style>{sheet}</style><rect width="150" height="120"/>')}, "place a.svg --method r2", 2, pattern)
+    add(k, "SVG: shape that is visible in a group that is not", FOUND, {"a.svg": m.svg('<g visibility="hidden"><rect width="150" height="120" visibility="visible"/>' + square.format("") + "</g>")}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "SVG: shapes that are only defined", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/><defs>' + square.format("") + "</defs><symbol>" + square.format("") + "</symbol>")}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+    mesh(k, "3MF: printable=\"false\" of an item", FOUND, "a.3mf", m.three_mf(f'<object id="1" type="model">{m.mesh_xml(m.block())}</object><object id="2" name="jig" type="model">{m.mesh_xml(m.block(30, 30, 30))}</object>', '<item objectid="1"/><item objectid="2" printable="false" transform="1 0 0 0 1 0 0 0 1 200 0 0"/>'), 0, left.format(r'jig \(printable="0"\)'))
+    mesh(k, "3MF: object of the type other", FOUND, "a.3mf", m.three_mf(f'<object id="1" type="model">{m.mesh_xml(m.block())}</object><object id="2" type="other">{m.mesh_xml(m.block(30, 30, 30))}</object>', '<item objectid="1"/><item objectid="2" transform="1 0 0 0 1 0 0 0 1 200 0 0"/>'), 0, BLOCK)
     solid = re.search(r"(#\d+)\s*=\s*MANIFOLD_SOLID_BREP", GOOD_STEP)[1]
     off = "switched off in the CAD program and left out"
     for what, who, entities in [
@@ -137,6 +171,17 @@ def transforms():
     mesh(k, "3MF without a namespace (JSCAD)", FOUND, "a.3mf", m.three_mf(block, '<item objectid="1"/>', namespace=""), 0, BLOCK)
     add(k, "DXF: metres", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (.15, 0), (.15, .12), (0, .12)]), "9\n$INSUNITS\n70\n6\n")}, "place a.dxf --method r2", 0, r"150\.0 × 120\.0 mm")
     add(k, "SVG: rotated group", FOUND, {"a.svg": m.svg('<g transform="translate(120 0) rotate(90)"><rect width="150" height="120"/></g>')}, "place a.svg --method r2", 0, r"120\.0 × 150\.0 mm")
+    add(k, "DXF without a unit: said", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE), "")}, "place a.dxf --method r2", 0, r"names no unit; its numbers are taken as millimetres.*150\.0 × 120\.0 mm")
+    add(k, "DXF without a unit, --unit in", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (6, 0), (6, 5), (0, 5)]), "")}, "place a.dxf --method r2 --unit in", 0, r"^outline of 152\.4 × 127\.0 mm")
+    add(k, "SVG in pixels: said", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'width="150" height="120"')}, "place a.svg --method r2", 0, r"pixels, taken as 96 an inch.*39\.7 × 31\.8 mm")
+    add(k, "SVG with a viewBox alone", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'viewBox="0 0 150 120"')}, "place a.svg --method r2", 2, "does not say how large it is.*pass --unit")
+    add(k, "SVG with a viewBox alone, --unit mm", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'viewBox="0 0 150 120"')}, "place a.svg --method r2 --unit mm", 0, r"150\.0 × 120\.0 mm")
+    add(k, "WKT in metres, --unit m", FOUND, {"a.wkt": b"POLYGON((0 0, 0.15 0, 0.15 0.12, 0 0.12, 0 0))"}, "place a.wkt --method r2 --unit m", 0, r"150\.0 × 120\.0 mm")
+    mesh(k, "DAE: node that scales by 2", FOUND, "a.dae", m.dae("<scale>2 2 2</scale>"), 0, r"240\.0 × 180\.0 × 80\.0 mm: 12 faces, 1536\.0 cm²")
+    mesh(k, "DAE: node that mirrors", FOUND, "a.dae", m.dae("<scale>-1 1 1</scale>"), 0, BLOCK)
+    mesh(k, "DAE in inches", FOUND, "a.dae", m.dae("", '<unit meter="0.0254"/>', 1 / 0.0254), 0, BLOCK)
+    for unit, per_mm in [("inch", 1 / 25.4), ("foot", 1 / 304.8), ("meter", 1e-3), ("micron", 1e3)]:
+        mesh(k, f"3MF: unit {unit}", FOUND, "a.3mf", m.three_mf(f'<object id="1" type="model">{m.mesh_xml(m.scaled(m.block(), per_mm))}</object>', '<item objectid="1"/>', unit=unit), 0, BLOCK)
     add(k, "DXF: inches", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (6, 0), (6, 5), (0, 5)]), "9\n$INSUNITS\n70\n1\n")}, "place a.dxf --method r2", 0, r"152\.4 × 127\.0 mm")
 
 
@@ -163,7 +208,17 @@ def held():
             ("SketchUp model", FOUND, "a.skp", b"\xff\xfe\xff\x0eS\0k\0e\0t\0c\0h\0U\0p\0 \0M\0o\0d\0e\0l\0", "a SketchUp model" + solid),
             ("Maya scene", FOUND, "a.ma", b"//Maya ASCII 2023 scene\n", "a Maya scene" + scene),
             ("finite elements of Abaqus", FOUND, "a.inp", b"*HEADING\n*NODE\n1, 0., 0., 0.\n", r"finite elements \(Abaqus\)" + scene),
-            ("list of points", FOUND, "a.xyz", b"0.0 0.0 0.0\n1.0 0.0 0.0\n1.0 2.0 0.0\n", "a list of points; give a mesh"),
+            ("list of points", FOUND, "a.xyz", b"0.0 0.0 0.0\n1.0 0.0 0.0\n1.0 2.0 0.0\n", "a list of points; make a surface of the points"),
+            ("cloud of points of a scanner (E57)", FOUND, "a.e57", b"ASTM-E57" + bytes(90), r"a cloud of points \(E57\); make a surface of the points"),
+            ("Alembic", FOUND, "a.abc", b"Ogawa\xff\0\1" + bytes(90), "an Alembic scene" + scene),
+            ("finite elements of LS-DYNA", FOUND, "a.k", b"*KEYWORD\n*NODE\n", r"finite elements \(LS-DYNA\)" + scene),
+            ("finite elements of Ansys", FOUND, "a.cdb", b"/COM,ANSYS RELEASE 19\n", r"finite elements \(Ansys\)" + scene),
+            ("Exodus", FOUND, "a.exo", b"CDF\x02" + bytes(60), r"a netCDF file .*" + scene),
+            ("volume of a scanner (NIfTI)", FOUND, "a.nii", bytes(344) + b"n+1\0", r"a medical picture \(NIfTI\); make a surface of it"),
+            ("part of NX, told by its name", FOUND, "a.prt", b"\1\2\3\4" * 40, "a part of NX or Creo" + solid),
+            ("CATIA part, told by its name", FOUND, "a.CATPart", b"\1\2\3\4" * 40, "a CATIA model" + solid),
+            ("OpenSCAD, told by its name", FOUND, "a.scad", b"cube([120, 90, 40]);\n", "a program of OpenSCAD; render it and export it"),
+            ("world of Webots", FOUND, "a.wbt", b"#VRML_SIM R2023b utf8\n", "a world of Webots; "),
             ("program of a printer", FOUND, "a.gcode", b"M73 P0 R30\nG28 ; home\n", r"\(G-code\); give a mesh"),
             ("photograph", FOUND, "a.heic", b"\0\0\0\x18ftypheic", "a HEIC picture; give a mesh"),
             ("slices of a scanner", FOUND, "a.dcm", bytes(128) + b"DICM", r"a medical picture \(DICOM\); make a surface of it"),
@@ -177,6 +232,24 @@ def held():
             ("DXF: four lines in any order and direction", FOUND, "a.dxf", m.dxf(m.line((0, 0), (150, 0)) + m.line((0, 120), (150, 120)) + m.line((150, 0), (150, 120)) + m.line((0, 0), (0, 120)))),
             ("SVG: path with an arc", REPORTED, "a.svg", m.svg('<path d="M0,0 H150 V120 H0 Z M60,60 a10,10 0 1,0 20,0 a10,10 0 1,0 -20,0 Z"/>'))]:
         add(k, what, who, {name: data}, f"place {name} --method r2", 0, r"150\.0 × 120\.0 mm")
+    outline = "; export the outline as DXF or SVG"
+    for what, name, data, pattern in [
+            ("plot (HPGL)", "a.plt", b"IN;SP1;PU0,0;PD400,0;", r"a plot \(HPGL\)" + outline),
+            ("layer of a board (Gerber)", "a.gbr", b"G04 edge*\n%FSLAX46Y46*%\n%MOMM*%\n", r"\(Gerber\)" + outline),
+            ("enhanced metafile", "a.emf", b"\1\0\0\0" + bytes(36) + b" EMF" + bytes(40), r"\(EMF\)" + outline),
+            ("shapefile", "a.shp", b"\0\0\x27\x0a" + bytes(96), "an ESRI shapefile; convert it to GeoJSON or DXF with coordinates in mm"),
+            ("map for a globe (KML)", "a.kml", b'<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"/>', r"a map \(kml\); convert it"),
+            ("TopoJSON", "a.json", b'{"type":"Topology","arcs":[]}', r"a map \(TopoJSON\); convert it"),
+            ("GeoPackage", "a.gpkg", b"SQLite format 3\0" + bytes(52) + b"GPKG", r"a map \(GeoPackage\); convert it"),
+            ("PDF", "a.pdf", b"%PDF-1.4\n", "a PDF" + outline),
+            ("drawing of CorelDRAW", "a.cdr", b"RIFF\0\0\0\0CDR9" + bytes(20), "a CorelDRAW drawing" + outline),
+            ("IGES", "a.igs", b" " * 72 + b"S      1\n", r"a part in IGES; \"triskin design\" covers a part"),
+            ("DAE", "a.dae", m.dae(""), r"a mesh \(DAE\); \"triskin design\" covers a part"),
+            ("glTF", "a.gltf", m.gltf([{"mesh": 0}]), r"a mesh \(glTF\); \"triskin design\" covers a part"),
+            ("design", "a.json", pathlib.Path(STRIP).read_bytes(), "a design of Triskin; give a polygon"),
+            ("GeoJSON of a town", "a.geojson", m.geojson([(9.18, 45.46), (9.2, 45.46), (9.2, 45.48)]), r"look like degrees of longitude and latitude \(9\.18, 45\.46\)"),
+            ("GeoJSON of a country", "a.geojson", m.geojson([(5, 45), (15, 45), (15, 53)]), "look like degrees of longitude and latitude")]:
+        add(k, f"{what} given to place", FOUND, {name: data}, f"place {name} --method r2", 2, pattern)
     add(k, "DXF: outline with a gap of 2 mm", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (150, 0), (150, 120), (2, 0)], closed=0))}, "place a.dxf", 2, r"the outline is open .* 2 mm away")
     add(k, "DXF: two outlines", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE) + m.lwpolyline([(300, 0), (400, 0), (400, 90)]))}, "place a.dxf", 2, "holds 2 outlines beside each other; place each one alone")
     ring = '{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[0,0],[150,0],[150,120],[0,0]]]}}'
@@ -195,7 +268,11 @@ def in_place_of_designs():
             ("OBJ given to flash", "a.obj", m.obj(m.block()), "flash a.obj --link sim", r"a mesh \(OBJ\); \"triskin design\" makes a design of it"),
             ("table given to export", "a.csv", b"x,y,z\n1,2,3\n4,5,6\n", "export a.csv --format gltf -o o.gltf", r"a table of text \(CSV\); give a design"),
             ("table given to view", "a.csv", b"x,y,z\n1,2,3\n4,5,6\n", "view a.csv", r"a table of text \(CSV\); give a design"),
-            ("cut recording given to replay", "a.mcap", b"\x89MCAP0\r\n", "replay a.mcap", "holds no design: is it a recording of triskin"),
+            ("recording of which nothing is left given to replay", "a.mcap", b"\x89MCAP0\r\n", "replay a.mcap", "was cut before its first sample"),
+            ("glTF given to live", "a.gltf", m.gltf([{"mesh": 0}]), "live a.gltf --link sim", r"a mesh \(glTF\); \"triskin design\" makes a design of it"),
+            ("IGES given to live", "a.igs", b" " * 72 + b"S      1\n", "live a.igs --link sim", r"a part in IGES; \"triskin design\" makes a design of it"),
+            ("OBJ given as URDF", "a.obj", m.obj(m.block()), "robot new r.json --name r --urdf a.obj", r"a mesh \(OBJ\); give a URDF"),
+            ("raw image as firmware", "a.bin", b"\0\0\2\x20\xc1\1\0\x08" + bytes(200), "flash strip.json --link sim --firmware a.bin", "a raw image for a microcontroller; give the firmware's package"),
             ("FreeCAD document given to verify", "a.FCStd", m.zipped({"Document.xml": b"<Document/>"}), "verify a.FCStd --link sim", "a FreeCAD document; give a design"),
             ("mesh given to route", "a.stl", m.text_stl(m.block()), "route a.stl -o o.json", r"a mesh \(STL\), where a file in JSON is wanted"),
             ("URDF given to robot show", "a.urdf", m.urdf(m.LINKS + m.joint("")), "robot show a.urdf", "a URDF robot description, where a file in JSON is wanted"),
@@ -216,6 +293,12 @@ SCRIPTS = [("Latin with accents", "Überärmel", "Überärmèl"), ("Cyrillic", "
 
 def names():
     k = "names"
+    for what, name in [("a blank in percent", "a%20b.obj"), ("a hash", "a#b.obj"), ("a semicolon", "a;b.obj"), ("a line break", "a\nb.obj"), ("a device of Windows", "CON.obj")]:
+        add(k, f"file name with {what}", FOUND, {name: m.obj(m.block())}, ["extract", name, "-o", "out.obj"], 0, BLOCK)
+    document = json.loads(m.gltf([{"mesh": 0}]))
+    data = base64.b64decode(document["buffers"][0]["uri"].split(",")[1])
+    document["buffers"][0]["uri"] = "my%20data%20%C3%A9.bin"
+    add(k, "glTF that names its data in percent", FOUND, {"a.gltf": json.dumps(document).encode(), "my data é.bin": data}, "extract a.gltf -o out.obj", 0, BLOCK)
     for what, one, other in SCRIPTS:
         who = REPORTED if what == "Chinese" else FOUND
         add(k, f"cover named in {what}", who, {}, ("names", one, other), 0, r"^\d\d formats keep the names apart")
@@ -237,7 +320,10 @@ def frames():
             ("tabulator within", FOUND, "'base\tlink'", "without a leading slash or blanks"),
             ("millimetres as a place", FOUND, "base --pose 0,250,0,0,0,0,1", r"250 m from the parent .* are they millimetres\? Then divide"),
             ("angles in place of a quaternion", FOUND, "base --pose 0,0,0,1.57,0,0", "--pose: 7 values are needed, 6 given"),
-            ("words in place of numbers", FOUND, "base --pose a,0,0,0,0,0,1", "--pose: .* is not a number")]:
+            ("words in place of numbers", FOUND, "base --pose a,0,0,0,0,0,1", "--pose: .* is not a number"),
+            ("eight numbers", FOUND, "base --pose 0,0,0,0,0,0,1,0", "--pose: 7 values are needed, 8 given"),
+            ("quaternion that is nearly of length 1", FOUND, "base --pose 0,0,0,0,0,0,0.99", "--pose"),
+            ("line break within", FOUND, "'a\nb'", "without a leading slash or blanks")]:
         add(k, what, who, {}, base + more, 2, pattern)
 
 
@@ -263,6 +349,18 @@ def robots():
             ("cut off", FOUND, m.urdf(m.LINKS + m.joint(""))[:-20], 2, "not well-formed XML"),
             ("byte order mark", FOUND, b"\xef\xbb\xbf" + m.urdf(m.LINKS + m.joint("")), 0, "robot r with"),
             ("UTF-16", FOUND, m.urdf(m.LINKS + m.joint("")).decode().replace('"1.0"?', '"1.0" encoding="utf-16"?', 1).encode("utf-16"), 0, "robot r with"),
+            ("a joint twice", FOUND, m.urdf(m.LINKS + '<link name="c"/>' + m.joint("") + m.joint("", "arm", "c")), 2, 'joint "j" stands there twice'),
+            ("joint without a type", FOUND, m.urdf(m.LINKS + m.joint("").replace(' type="fixed"', "")), 2, 'has no attribute "type"'),
+            ("joint of an unknown type", FOUND, m.urdf(m.LINKS + m.joint("", type="hinge")), 2, 'has the type "hinge"; there are fixed'),
+            ("revolute joint without a limit", FOUND, m.urdf(m.LINKS + m.joint("", type="revolute")), 2, "is revolute and has no <limit>"),
+            ("limits exchanged", FOUND, m.urdf(m.LINKS + m.joint('<limit effort="1" velocity="1" lower="1" upper="-1"/>', type="revolute")), 2, "lower limit above its upper one"),
+            ("axis of length 2", FOUND, m.urdf(m.LINKS + m.joint('<axis xyz="0 0 2"/>', type="continuous")), 2, "axis of length 2; write it with length 1: 0 0 1"),
+            ("axis of zeros", FOUND, m.urdf(m.LINKS + m.joint('<axis xyz="0 0 0"/>', type="continuous")), 2, "axis of length 0"),
+            ("joint from a link to itself", FOUND, m.urdf(m.LINKS + m.joint("") + m.joint("", "base", "base", "k")), 2, "form a ring"),
+            ("turned by a quaternion", FOUND, m.urdf(m.LINKS + m.joint('<origin quat_xyzw="0 0 0.6 0.8"/>')), 0, "robot r with"),
+            ("quaternion of length 2", FOUND, m.urdf(m.LINKS + m.joint('<origin quat_xyzw="0 0 0 2"/>')), 2, "must be four numbers of length 1"),
+            ("quaternion and angles", FOUND, m.urdf(m.LINKS + m.joint('<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>')), 2, "has rpy and quat_xyzw; leave one out"),
+            ("transmissions and notes of a simulator", FOUND, m.urdf(m.LINKS + m.joint("") + '<transmission name="t"><joint name="j"/></transmission><gazebo reference="arm"/>'), 0, "robot r with"),
             ("a good one", FOUND, m.urdf(m.LINKS + m.joint('<origin xyz="0 0 0.4" rpy="0 1.57 0"/>')), 0, "robot r with")]:
         add(k, what, who, {"a.urdf": data}, new, status, pattern)
 
@@ -280,6 +378,13 @@ def sizes():
     mesh(k, "numbers in metres", REPORTED, "a.obj", m.obj(m.block(), 1e-3), 2, "are its numbers metres")
     mesh(k, "glTF of 3 m by its format", FOUND, "a.gltf", m.gltf([{"mesh": 0, "scale": [25, 25, 25]}]), 2, r"3000 × 2250 × 1000 mm large if its numbers are metres as the file says")
     add(k, "cover of 3.1 m²", REPORTED, {"a.obj": m.obj(m.block(1000, 500, 700))}, "design a.obj -o d.json --time-limit-s 1", 2, r"3\.1 m² are more than the skin of a person \(1\.5 m²\), for up to \d+ modules and \d+ controllers")
+    add(k, "outline of 6 m²", FOUND, {"a.wkt": b"POLYGON((0 0, 3000 0, 3000 2000, 0 2000, 0 0))"}, "place a.wkt --method r2", 0, r"6\.0 m² are more than the skin of a person \(1\.5 m²\); if the unit is wrong, --unit")
+    add(k, "outline that is too small for a module", FOUND, {"a.wkt": b"POLYGON((0 0, 9 0, 9 8, 0 8, 0 0))"}, "place a.wkt --method r2", 1, "no module fits: .* unless --unit names another unit")
+    mesh(k, "triangles without area", FOUND, "a.obj", b"v 0 0 0\nv 50 0 0\nv 100 0 0\nf 1 2 3\n", 2, "no triangle with an area in it")
+    mesh(k, "corner that is no number", FOUND, "a.obj", b"v nan 0 0\n" + m.obj(m.block()), 2, "vertex 0 is not a finite point")
+    mesh(k, "numbers in micrometres", FOUND, "a.obj", m.obj(m.block(), 1e3), 2, r"155 m across, larger than a body part")
+    add(k, "an option without a value: --gap-mm", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, ["place", "a.wkt", "--gap-mm", ""], 2, "--gap-mm: the value is empty")
+    add(k, "an option without a value: --link", FOUND, {}, ["live", "strip.json", "--link", ""], 2, "--link: the value is empty")
     add(k, "every answer has the size: design", FOUND, {"a.obj": m.obj(m.block())}, "design a.obj -o d.json --time-limit-s 1", 0, r"120\.0 × 90\.0 × 40\.0 mm")
     add(k, "every answer has the size: place", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, "place a.wkt --method r2", 0, r"150\.0 × 120\.0 mm")
     add(k, "every answer has the size: faces", FOUND, {"a.step": GOOD_STEP.encode()}, "faces a.step", 0, r"\d × \d.* mm")
@@ -343,6 +448,9 @@ def fresh():
         add(k, command, who, {"fresh": b""}, command, None, flash)
 
 
+    for command in ("dump strip.json --link sim --ask --seconds 0.2", "dump strip.json --link sim --seconds 0.2", "live strip.json --link sim --protocol icub --seconds 0.2"):
+        add(k, command, FOUND, {"fresh": b""}, command, 1, flash + "|not flashed yet sends nothing")
+
     # Of three new controllers each has the first address, so the second and third are silent.
     for command in ("live", "record -o a.mcap", "record -o a.csv", "bridge", "log", "verify", "live --tare"):
         verb, *more = command.split()
@@ -370,13 +478,22 @@ def python():
             ("pressure without calibration", FOUND, "with triskin.open('own.mcap') as s: s.pressure_kpa()", 1, "BadInput: .*calibrat"),
             ("the same skin twice", FOUND, "a = triskin.simulate('strip.json')\ntriskin.simulate('strip.json')", 1, "DeviceFailed: .*is simulated by this process already; end that first"),
             ("four threads", FOUND, "import threading\nout=[]\ndef f():\n  with triskin.open('own.mcap') as s: out.append(len(s.samples) > 0)\nts=[threading.Thread(target=f) for _ in range(4)]\n[t.start() for t in ts]; [t.join() for t in ts]; print(out)", 0, r"\[True, True, True, True\]"),
+            ("a text of NumPy as a path", FOUND, "import numpy\nwith triskin.open(numpy.str_('own.mcap')) as s: print('read')", 0, "read|No module named 'numpy'"),
+            ("a time that is no number", FOUND, "triskin.simulate('strip.json').read(float('nan'))", 1, "BadInput: read: seconds must be 0 or more"),
+            ("a time without end", FOUND, "triskin.simulate('strip.json').read(float('inf'))", 1, "BadInput: read: seconds"),
+            ("an extension in capitals", FOUND, "import shutil\nshutil.copy('own.mcap', 'A.MCAP')\nwith triskin.open('A.MCAP') as s: print('read', len(s.samples) > 0)", 0, "read True"),
+            ("a folder", FOUND, "triskin.open('.')", 1, "BadInput: "),
+            ("a glTF", FOUND, "open('a.gltf','w').write('{\"asset\":{\"version\":\"2.0\"}}')\ntriskin.open('a.gltf', link='sim')", 1, r"BadInput: a\.gltf: is a mesh \(glTF\)"),
             ("fork", FOUND, "import os,sys\nwith triskin.open('own.mcap') as s:\n  pid=os.fork()\n  if pid == 0: os._exit(0)\n  print('read', os.waitpid(pid,0)[1])", 0, "read 0")]
     for what, who, code, status, pattern in rows:
         add(k, what, who, {}, ("python", code), status, pattern)
 
 
 def run(arguments, folder, environment):
-    done = subprocess.run(arguments, cwd=folder, env=environment, capture_output=True, check=False, timeout=60)
+    try:
+        done = subprocess.run(arguments, cwd=folder, env=environment, capture_output=True, check=False, timeout=60)
+    except subprocess.TimeoutExpired:
+        return -1, "no answer within 60 s"
     return done.returncode, (done.stderr + done.stdout).decode(errors="replace")
 
 
@@ -467,7 +584,7 @@ def compare_names(one, other, folder, environment):
     no other letters, and differ."""
     status, said = run([TRISKIN, "export", "--help"], folder, environment)
     formats = re.findall(r"[\w-]+", re.search(r"\(one of ([\w\s,-]+)\)", said)[1])
-    found, left_out = {}, set()
+    found, left_out, foreign = {}, set(), []
     for name in (one, other):
         (folder / f"{name}.obj").write_bytes(m.obj(m.block()))
         status, said = run([TRISKIN, "design", f"{name}.obj", "-o", f"{name}.json", "--time-limit-s", "1", "--iterations", "20"], folder, environment)
@@ -480,7 +597,10 @@ def compare_names(one, other, folder, environment):
                 continue
             if status != 0:
                 return status, f"{kind}: {said}"
-            kept = name_in(kind, folder / said.strip().splitlines()[-1], folder, environment)
+            written = folder / said.strip().splitlines()[-1]
+            if kind in ("gltf", "mjcf", "mjcf-touch"):
+                foreign.append(written.name)
+            kept = name_in(kind, written, folder, environment)
             if kept is None:
                 left_out.add(kind)
             elif kind in SPELLED and not re.fullmatch(r"[\w.-]+", kept, re.ASCII):
@@ -489,10 +609,16 @@ def compare_names(one, other, folder, environment):
                 return 1, f"{kind}: {name!r} became {kept!r}"
             else:
                 found[name, kind] = kept
+    readers = ""
+    if NODE and foreign:
+        status, said = run([NODE, str(pathlib.Path(__file__).parent / "foreign_test.mjs"), NODE_MODULES, *foreign], folder, environment)
+        if status not in (0, 77):
+            return status, f"a foreign reader refuses: {said[:400]}"
+        readers = ", read by gltf-validator and MuJoCo" if status == 0 else ""
     same = [kind for kind in formats if kind not in left_out and found[one, kind] == found[other, kind]]
     if same:
         return 1, f"both covers have one name in {', '.join(same)}"
-    return 0, f"{len(formats)} formats keep the names apart" + (f" ({', '.join(sorted(left_out))} not read)" if left_out else "")
+    return 0, f"{len(formats)} formats keep the names apart{readers}" + (f" ({', '.join(sorted(left_out))} not read)" if left_out else "")
 
 
 def shown(text, state):
@@ -516,6 +642,8 @@ def main():
             status, said = run([TRISKIN, *command], top, environment)
             assert status == 0, said
         own = (top / "own.mcap").read_bytes()
+        global STRIP
+        STRIP = str(top / "strip.json")
         status, said = run([TRISKIN, "replay", "own.mcap", "--speed", "0"], top, environment)
         played = re.search(r"^[1-9]\d+ module samples in \d\.\d\d s$", said, re.MULTILINE)
         assert status == 0 and played, said

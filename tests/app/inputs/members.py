@@ -40,6 +40,11 @@ def strip(turns, count=60):
     return v, faces
 
 
+def scaled(mesh, scale):
+    v, f = mesh
+    return [tuple(scale * c for c in p) for p in v], f
+
+
 def obj(mesh, scale=1.0):
     v, f = mesh
     return ("".join("v %g %g %g\n" % tuple(scale * c for c in p) for p in v)
@@ -71,8 +76,8 @@ def mesh_xml(mesh):
             + "".join('<triangle v1="%d" v2="%d" v3="%d"/>' % t for t in f) + "</triangles></mesh>")
 
 
-def three_mf(objects, build, more=None, attributes="", namespace=f'xmlns="{CORE}"'):
-    model = (f'<?xml version="1.0"?><model unit="millimeter" {namespace} {attributes}><resources>{objects}</resources>'
+def three_mf(objects, build, more=None, attributes="", namespace=f'xmlns="{CORE}"', unit="millimeter"):
+    model = (f'<?xml version="1.0"?><model unit="{unit}" {namespace} {attributes}><resources>{objects}</resources>'
              f"<build>{build}</build></model>")
     return zipped({"_rels/.rels": '<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
                    '<Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>',
@@ -159,6 +164,20 @@ def morphed(weight):
     return json.dumps(document).encode()
 
 
+# COLLADA --------------------------------------------------------------------------------------------------------------
+
+def dae(node, unit='<unit meter="1"/>', per_metre=1.0):
+    v, f = scaled(block(), 1e-3 * per_metre)
+    return f"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{unit}
+<up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="{3 * len(v)}">
+{' '.join(str(c) for q in v for c in q)}</float_array><technique_common><accessor source="#a" count="{len(v)}" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="{len(f)}"><input semantic="VERTEX" source="#v"
+offset="0"/><p>{' '.join(str(k) for t in f for k in t)}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>
+<visual_scene id="s"><node id="n">{node}<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene>
+<instance_visual_scene url="#s"/></scene></COLLADA>""".encode()
+
+
 # STEP -----------------------------------------------------------------------------------------------------------------
 
 def step_with(good, entities):
@@ -193,14 +212,18 @@ def svg(inside, head='width="150mm" height="120mm" viewBox="0 0 150 120"'):
     return f'<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" {head}>{inside}</svg>'.encode()
 
 
+def geojson(points):
+    return json.dumps({"type": "Polygon", "coordinates": [[*points, points[0]]]}).encode()
+
+
 # URDF -----------------------------------------------------------------------------------------------------------------
 
 def urdf(inside, head='name="r"'):
     return f'<?xml version="1.0"?><robot {head}>{inside}</robot>'.encode()
 
 
-def joint(origin, parent="base", child="arm", name="j"):
-    return f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/>{origin}</joint>'
+def joint(origin, parent="base", child="arm", name="j", type="fixed"):
+    return f'<joint name="{name}" type="{type}"><parent link="{parent}"/><child link="{child}"/>{origin}</joint>'
 
 
 LINKS = '<link name="base"/><link name="arm"/>'
@@ -219,6 +242,38 @@ def mcap_records(data):
 
 def record(kind, contents):
     return bytes([kind]) + struct.pack("<Q", len(contents)) + contents
+
+
+MAGIC = b"\x89MCAP0\r\n"
+
+
+def closed(records):
+    """A file of these records without summary."""
+    return MAGIC + records + record(15, struct.pack("<I", 0)) + record(2, struct.pack("<QQI", 0, 0, 0)) + MAGIC
+
+
+def with_attachments(data, place):
+    """The recording as a program writes it that puts attachments behind the messages, or leaves them out."""
+    kept, attached = b"", b""
+    for kind, contents in mcap_records(data):
+        if kind == 15:
+            break
+        if kind == 9:
+            attached += record(kind, contents)
+        else:
+            kept += record(kind, contents)
+    return closed(kept + (attached if place == "behind" else b""))
+
+
+def recording_of(topic, schema):
+    """A recording of another program: one message, or none without a topic."""
+    text = lambda t: struct.pack("<I", len(t)) + t.encode()
+    records = record(1, text("ros2") + text("other"))
+    if topic:
+        records += record(3, struct.pack("<H", 1) + text(schema) + text("ros2msg") + struct.pack("<I", 0))
+        records += record(4, struct.pack("<HH", 0, 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
+        records += record(5, struct.pack("<HIQQ", 0, 0, 1, 1) + b"abc")
+    return closed(records)
 
 
 def rewritten(data, chunked, order, shift):
@@ -260,5 +315,4 @@ def rewritten(data, chunked, order, shift):
                        + struct.pack("<Q", len(inside)) + inside)
     else:
         body += inside + b"".join(record(5, m) for m in messages)
-    magic = b"\x89MCAP0\r\n"
-    return magic + body + record(15, struct.pack("<I", 0)) + record(2, struct.pack("<QQI", 0, 0, 0)) + magic
+    return closed(body)

@@ -46,6 +46,20 @@ TEST(FileKind, is_told_by_content) {
       {"<robot name=\"r\"><group name=\"arm\"/></robot>", "an SRDF of MoveIt"},
       {"**ABCDEFGHIJKLMNOPQRSTUVWXYZabc", "a Parasolid model (text)"},
       {"PS\0\0?"s, "a Parasolid model (binary)"},
+      {"Ogawa\xFF\0\1"s, "an Alembic scene"},
+      {"ASTM-E57\1\0\0\0"s, "a cloud of points (E57)"},
+      {"IN;SP1;PU0,0;", "a plot (HPGL)"},
+      {"G04 edge*\n%FSLAX46Y46*%\n%MOMM*%\n", "a layer of a circuit board (Gerber)"},
+      {"\1\0\0\0"s + std::string(36, '\0') + " EMF", "an enhanced metafile (EMF)"},
+      {"\0\0\x27\x0A"s + std::string(96, '\0'), "an ESRI shapefile"},
+      {"SQLite format 3\0"s + std::string(52, '\0') + "GPKG", "a map (GeoPackage)"},
+      {"SQLite format 3\0"s + std::string(80, '\0'), "a database (SQLite, as bags of ROS 2 are stored)"},
+      {"<kml xmlns=\"http://www.opengis.net/kml/2.2\"/>", "a map (kml)"},
+      {zip_with("doc.kml"), "a map (KMZ)"},
+      {R"({"type":"Topology","arcs":[]})", "a map (TopoJSON)"},
+      {"@F800\n31 40 00 03\nq\n", "an image in TI-TXT"},
+      // The stack ends at 0x2002'0000, the program starts at 0x0800'01C1.
+      {"\0\0\2\x20\xC1\1\0\x08"s + std::string(56, '\0'), "a raw image for a microcontroller"},
       {"700 0 1 0\n16 Autodesk AutoCAD 19 ASM 225.0 1.2 NT 24\n", "an ACIS model (SAT)"},
       {"MM\x0E\0\0\0........"s, "a 3DS scene"},
       {"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "a DXF drawing"},
@@ -68,8 +82,29 @@ TEST(FileKind, meshes_and_unknown_bytes_have_none) {
   for (const std::string& bytes :
        {"v 0 0 0\nv 1,5 2,5 3,5\n"s, "solid x\nfacet normal 0 0 1\n"s, "OFF\n3 1 0\n"s, "ply\nformat ascii 1.0\n"s,
         "PSALM 1\n"s, "3 1 0\n0 0 0\n1 0 0\n"s, "G\nM\n G1\n"s, zip_with("3D/3dmodel.model"),
-        R"({"asset":{"version":"2.0"}})"s, "<COLLADA/>"s, ""s, "\1\2\3"s})
+        R"({"asset":{"version":"2.0"}})"s, "<COLLADA/>"s, ""s, "\1\2\3"s,
+        "\0\0\2\x20\xC0\1\0\x08"s + std::string(56, '\0')})  // as an image, but the start is even
     EXPECT_FALSE(file_kind(bytes)) << bytes;
+}
+
+TEST(FileKind, ending_counts_where_the_contents_say_nothing) {
+  EXPECT_EQ(not_asked_for("\1\2\3", FileUse::kMesh, "part.CATPart"),
+            "a CATIA model; export the part as STEP, or as a mesh (STL, OBJ, 3MF)");
+  EXPECT_EQ(not_asked_for("\1\2\3", FileUse::kOutline, "part.prt"),
+            "a part of NX or Creo; export the outline as DXF or SVG");
+  EXPECT_EQ(not_asked_for("v 0 0 0\n", FileUse::kMesh, "part.prt"), "");  // an OBJ all the same
+  EXPECT_EQ(not_asked_for("\1\2\3", FileUse::kMesh, "part.unknown"), "");
+  EXPECT_EQ(not_asked_for("%PDF-1.7", FileUse::kMesh, "part.prt").substr(0, 5), "a PDF");
+}
+
+TEST(FileKind, parts_are_named_to_those_who_asked_for_something_else) {
+  const std::string iges = std::string(72, ' ') + "S      1\n";
+  for (const auto& [bytes, what] : {std::pair{iges, "a part in IGES"}, std::pair{"<COLLADA/>"s, "a mesh (DAE)"},
+                                    std::pair{R"({"asset":{"version":"2.0"}})"s, "a mesh (glTF)"}}) {
+    EXPECT_EQ(not_asked_for(bytes, FileUse::kMesh), "");
+    EXPECT_TRUE(not_asked_for(bytes, FileUse::kOutline).starts_with(what)) << what;
+    EXPECT_TRUE(not_asked_for(bytes, FileUse::kRecording).starts_with(what)) << what;
+  }
 }
 
 TEST(FileKind, next_step_depends_on_what_was_asked_for) {

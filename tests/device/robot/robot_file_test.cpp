@@ -7,8 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <tuple>
+#include <utility>
 
 #include "support/strip_design.hpp"
+#include "support/temp_folder.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/robot/assembly.hpp"
@@ -253,7 +257,8 @@ TEST(Site, has_each_bus_with_its_covers_and_addresses) {
 TEST(Frames, of_a_urdf_at_joints_0) {
   const Frames frames = Frames::parse_urdf(R"(<?xml version="1.0"?><robot name="r"><!-- a note -->
     <link name="base"/><link name="arm"><visual/></link><link name="hand"/>
-    <joint name="b" type="revolute"><parent link="arm"/><child link="hand"/><origin xyz="0 0 0.3"/></joint>
+    <joint name="b" type="revolute"><parent link="arm"/><child link="hand"/><origin xyz="0 0 0.3"/>
+      <axis xyz="0 0.6 0.8"/><limit effort="1" velocity="1" lower="-1" upper="1"/></joint>
     <joint name="a" type="fixed"><parent link="base"/><child link="arm"/>
       <origin xyz="0.1 0 0" rpy="1.5707963267948966 0 0"/></joint></robot>)",
                                            "r.urdf");
@@ -262,9 +267,54 @@ TEST(Frames, of_a_urdf_at_joints_0) {
   EXPECT_TRUE(frames.pose("hand").translation().isApprox(Eigen::Vector3d(100, -300, 0), 1e-9));
   for (const char* bad : {"<a/>", "<robot><link/></robot>", "no xml", "<robot><link name='a'/><link name='b'/></robot>",
                           "<robot><link name='a'/><joint name='j'><parent link='a'/><child link='c'/></joint></robot>",
-                          "<robot><link name='a'/><link name='c'/><joint name='j'><parent link='a'/><child link='c'/>"
-                          "<origin quat_xyzw='0 0 1 0'/></joint></robot>"})
+                          "<robot><link name='a'/><link name='c'/><joint type='fixed'><parent link='a'/><child "
+                          "link='c'/></joint></robot>"})
     EXPECT_THROW((void)Frames::parse_urdf(bad, "r.urdf"), InputError) << bad;
+}
+
+// Two links and a joint of which the attributes and what is in it are given.
+std::string urdf_with(const std::string& attributes, const std::string& inside) {
+  return fmt::format(
+      R"(<robot name="r"><link name="a"/><link name="c"/>
+           <joint name="j" {}><parent link="a"/><child link="c"/>{}</joint></robot>)",
+      attributes, inside);
+}
+
+TEST(Frames, turn_by_a_quaternion) {
+  // A quarter turn about z takes x to y.
+  const Frames frames = Frames::parse_urdf(
+      urdf_with("type='fixed'", "<origin xyz='1 0 0' quat_xyzw='0 0 0.70710678118654757 0.70710678118654757'/>"),
+      "r.urdf");
+  EXPECT_TRUE((frames.pose("c") * Eigen::Vector3d(5, 0, 0)).isApprox(Eigen::Vector3d(1000, 5, 0), 1e-9));
+  for (const char* bad : {"quat_xyzw='0 0 1'", "quat_xyzw='0 0 0 0'", "quat_xyzw='0 0 2 0'", "quat_xyzw='0 0 nan 1'",
+                          "quat_xyzw='0 0 0 1' rpy='0 0 0'"})
+    EXPECT_THROW((void)Frames::parse_urdf(urdf_with("type='fixed'", "<origin " + std::string(bad) + "/>"), "r.urdf"),
+                 InputError)
+        << bad;
+}
+
+TEST(Frames, joints_are_as_ros_demands) {
+  const std::string limit = "<limit effort='1' velocity='1' lower='-1' upper='1'/>";
+  for (const auto& [type, inside] :
+       {std::pair{"revolute", limit}, std::pair{"prismatic", limit + "<axis xyz='0 1 0'/>"},
+        std::pair{"continuous", std::string("<axis xyz='0.577 0.577 0.577'/>")}, std::pair{"floating", std::string()}})
+    EXPECT_NO_THROW((void)Frames::parse_urdf(urdf_with(fmt::format("type='{}'", type), inside), "r.urdf")) << type;
+  for (const auto& [type, inside, what] :
+       {std::tuple{"type='revolute'", std::string(), "has no <limit>"},
+        std::tuple{"type='revolute'", std::string("<limit lower='0' upper='1'/>"), "has no attribute \"effort\""},
+        std::tuple{"type='prismatic'", std::string("<limit effort='1' velocity='1' lower='1' upper='0'/>"),
+                   "lower limit above its upper one"},
+        std::tuple{"type='hinge'", limit, "has the type \"hinge\"; there are fixed"},
+        std::tuple{"", limit, "has no attribute \"type\""},
+        std::tuple{"type='continuous'", std::string("<axis xyz='0 0 2'/>"),
+                   "axis of length 2; write it with length 1: 0 0 1"},
+        std::tuple{"type='continuous'", std::string("<axis xyz='0 0 0'/>"), "axis of length 0"}})
+    EXPECT_INPUT_ERROR((void)Frames::parse_urdf(urdf_with(type, inside), "r.urdf"), what);
+  EXPECT_INPUT_ERROR((void)Frames::parse_urdf(R"(<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+      <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>
+      <joint name="j" type="fixed"><parent link="b"/><child link="c"/></joint></robot>)",
+                                              "r.urdf"),
+                     "joint \"j\" stands there twice");
 }
 
 TEST(ParseBus, has_link_and_rates) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 #include <string>
 
@@ -103,7 +104,8 @@ TEST(Outline, parts_are_named_with_their_command) {
        {std::pair{"solid a\nfacet normal 0 0 1\n", "is a mesh (STL); \"triskin design\" covers a part"},
         std::pair{"v 0 0 0\nv 1 0 0\n", "is a mesh (OBJ); \"triskin design\""},
         std::pair{"ISO-10303-21;\nHEADER;\n", "is a part in STEP; \"triskin design\""},
-        std::pair{"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n", "is an IFC building model; give a polygon"}})
+        std::pair{"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n",
+                  "is an IFC building model; export the outline as DXF or SVG"}})
     EXPECT_THAT(error_of(part), HasSubstr(what));
 }
 
@@ -142,19 +144,81 @@ TEST(SvgOutline, size_follows_width_height_and_their_fit) {
 TEST(SvgOutline, what_is_not_painted_is_left_out) {
   const std::string outer = R"(<rect width="50" height="40"/>)";
   for (const char* paint : {R"(fill="none" stroke="none")", R"(style="fill-opacity:0;stroke:none")",
-                            R"(style="opacity:0%")", R"(style="display : none !important")"})
+                            R"(style="opacity:0%")", R"(style="display : none !important")", R"(visibility="hidden")"})
     EXPECT_NEAR(area_of(svg(outer + R"(<rect x="10" y="10" width="9" height="9" )" + paint + "/>")), 2000.0, 1e-9)
         << paint;
   EXPECT_NEAR(area_of(svg(R"(<g fill="none" stroke="none"><rect width="50" height="40" stroke="red"/></g>)")), 2000.0,
               1e-9);
 }
 
+TEST(SvgOutline, a_sheet_leaves_out_what_it_does_not_paint) {
+  const auto area_with = [](const std::string& sheet, const std::string& attributes) {
+    return area_of(svg("<style>" + sheet +
+                       R"(</style><rect width="50" height="40" style="fill:red"/><rect x="10" y="10" )"
+                       R"(width="10" height="10" )" +
+                       attributes + "/>"));
+  };
+  // The outline has 2000 mm²; a square in it that is painted is a hole of 100 mm².
+  EXPECT_NEAR(area_with(".h{fill:none;stroke:none}", R"(class="x h")"), 2000.0, 1e-9);
+  EXPECT_NEAR(area_with(".h{fill:none;stroke:none}", R"(class="hh")"), 1900.0, 1e-9);
+  EXPECT_NEAR(area_with("/* a */ circle, #k { display : none }", R"(id="k")"), 2000.0, 1e-9);
+  EXPECT_NEAR(area_with("@charset \"UTF-8\"; @font-face{src:x} @media print{rect{display:none}} #k{visibility:hidden}",
+                        R"(id="k")"),
+              2000.0, 1e-9);
+  // The more special selector counts, then the later one; a style of the element before both, unless they are marked.
+  EXPECT_NEAR(area_with("#k{opacity:1} rect.h{opacity:0} .h{opacity:0}", R"(id="k" class="h")"), 1900.0, 1e-9);
+  EXPECT_NEAR(area_with(".h{opacity:0} .h{opacity:1}", R"(class="h")"), 1900.0, 1e-9);
+  EXPECT_NEAR(area_with(".h{opacity:0}", R"(class="h" style="opacity:1")"), 1900.0, 1e-9);
+  EXPECT_NEAR(area_with(".h{opacity:0 !important}", R"(class="h" style="opacity:1")"), 2000.0, 1e-9);
+  // Visibility is handed down, and a shape may take it back.
+  EXPECT_NEAR(area_of(svg(R"(<g visibility="hidden"><rect width="50" height="40" visibility="visible"/></g>)")), 2000.0,
+              1e-9);
+}
+
+TEST(Outlines, say_and_take_the_unit) {
+  const std::string square = "0\nLWPOLYLINE\n90\n4\n70\n1\n10\n0\n20\n0\n10\n6\n20\n0\n10\n6\n20\n5\n10\n0\n20\n5\n";
+  const std::string no_unit = "0\nSECTION\n2\nENTITIES\n" + square + "0\nENDSEC\n0\nEOF\n";
+  EXPECT_THAT(parse_polygons(no_unit, "a.dxf").remark, HasSubstr("names no unit"));
+  const Outlines inches = parse_polygons(no_unit, "a.dxf", 25.4);
+  EXPECT_EQ(inches.remark, "");
+  EXPECT_NEAR(polygon_area(inches.polygons.at(0)), 6 * 5 * 25.4 * 25.4, 1e-9);
+  EXPECT_EQ(parse_polygons(dxf(square), "a.dxf").remark, "");
+  const std::string rectangle = R"(<rect width="60" height="50"/>)";
+  EXPECT_THAT(parse_polygons(svg(rectangle, R"(width="100" height="80" viewBox="0 0 100 80")"), "a.svg").remark,
+              HasSubstr("96 an inch"));
+  EXPECT_EQ(parse_polygons(svg(rectangle), "a.svg").remark, "");
+  EXPECT_NEAR(polygon_area(parse_polygons(svg(rectangle, R"(viewBox="0 0 100 80")"), "a.svg", 1.0).polygons.at(0)),
+              3000.0, 1e-9);
+  const std::string metres = "POLYGON((0 0, 0.15 0, 0.15 0.12, 0 0))";
+  EXPECT_NEAR(polygon_area(parse_polygons(metres, "a.wkt", 1000.0).polygons.at(0)), 9000.0, 1e-9);
+}
+
+TEST(Outlines, degrees_of_a_map_are_no_millimetres) {
+  const auto triangle = [](double x, double y, double size) {
+    return fmt::format(R"({{"type":"Polygon","coordinates":[[[{0},{1}],[{2},{1}],[{0},{3}],[{0},{1}]]]}})", x, y,
+                       x + size, y + size);
+  };
+  for (const auto& [x, y, size] :
+       {std::array{9.18, 45.46, 0.02}, std::array{-122.5, 37.7, 0.1}, std::array{5.0, 45.0, 10.0}})
+    EXPECT_THAT(error_of(triangle(x, y, size)), HasSubstr("degrees of longitude and latitude"));
+  // A triangle at the origin, one as large as a module, and one beyond the poles.
+  for (const auto& [x, y, size] :
+       {std::array{0.0, 0.0, 10.0}, std::array{50.0, 50.0, 31.0}, std::array{100.0, 100.0, 5.0}})
+    EXPECT_NEAR(area_of(triangle(x, y, size)), 0.5 * size * size, 1e-9);
+}
+
 TEST(SvgOutline, what_would_be_half_read_is_refused) {
   const std::string square = R"(<rect class="a" width="50" height="40"/>)";
-  for (const char* rule : {"display:none", "visibility : hidden", "transform:scale(2)", "clip-path:circle(9px)"})
+  for (const char* rule : {"transform:scale(2)", "clip-path:circle(9px)", "fill:var(--f)", "r:5px"})
     EXPECT_THAT(error_of(svg("<style>/* b */ .a{fill:none;" + std::string(rule) + "}</style>" + square)),
                 HasSubstr("style sheet sets"))
         << rule;
+  for (const auto& [sheet, what] :
+       {std::pair{"@import url(a.css);", "is in another file"},
+        std::pair{"g .a{display:none}", "the selector \"g .a\""},
+        std::pair{"@media (max-width:9px){.a{display:none}}", "under the condition \"@media (max-width:9px)\""}})
+    EXPECT_THAT(error_of(svg("<style>" + std::string(sheet) + "</style>" + square)), HasSubstr(what)) << sheet;
+  EXPECT_THAT(error_of("<?xml-stylesheet href=\"a.css\"?><svg/>"), HasSubstr("is in another file"));
   EXPECT_NEAR(area_of(svg("<style>.a{fill:none;stroke:#000;display:inline}</style>" + square)), 2000.0, 1e-9);
   EXPECT_THAT(error_of(svg(R"x(<rect width="50" height="40" style="transform:scale(2)"/>)x")),
               HasSubstr("its style sets \"transform: scale(2)\""));

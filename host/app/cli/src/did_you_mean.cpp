@@ -37,7 +37,7 @@ std::string belongs_elsewhere(const CLI::App& program, const std::string& option
 
 }  // namespace
 
-std::string did_you_mean(const CLI::App& program, int argc, const char* const* argv) {
+std::string did_you_mean(const CLI::App& program, int argc, const char* const* argv, bool is_unknown) {
   if (argc < 2) return {};
   const std::string command = argv[1];
   const CLI::App* app = nullptr;
@@ -58,7 +58,7 @@ std::string did_you_mean(const CLI::App& program, int argc, const char* const* a
     if (one_dash && std::ranges::find(options, word) != options.end()) return "did you mean " + word + "?";
     const std::string asked = question(word, options);
     if (!asked.empty()) return asked;
-    if (std::ranges::find(options, word) == options.end()) return belongs_elsewhere(program, word);
+    if (std::ranges::find(options, word) == options.end() && is_unknown) return belongs_elsewhere(program, word);
   }
   return {};
 }

@@ -2,14 +2,18 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "site_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
+#include "triskin/base/short_list.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/frame_text.hpp"
 #include "triskin/wire/node_claim.hpp"
@@ -42,11 +46,21 @@ class Dump {
       if (const auto frame = link_.receive(link_.now_us() + kLook_us)) print(*frame);
     }
     output_.say(name_ + ": " + counted(count_, "frame"));
+    if (count_ == 0)
+      output_.say(name_ +
+                  ": no frame came; --ask asks every controller for an answer. A skin that is not flashed yet sends "
+                  "nothing by itself");
+    if (!fresh_.empty())
+      output_.say(fmt::format("{}: {} {} no table, so nothing of the skin comes; run triskin flash first", name_,
+                              short_list(std::vector(fresh_.begin(), fresh_.end()), 5),
+                              agreeing(fresh_.size(), "has", "have")));
     if (link_.thrown_away() > 0)
       output_.say(fmt::format("{}: {} came faster than they were read", name_, counted(link_.thrown_away(), "frame")));
     if (const std::string trouble = link_.trouble(); !trouble.empty()) output_.say(trouble);
   }
   [[nodiscard]] std::uint64_t count() const { return count_; }
+  /// Something of a skin came, or of other programs.
+  [[nodiscard]] bool is_good() const { return count_ > 0 && fresh_.empty(); }
 
  private:
   [[nodiscard]] double seconds() const { return 1e-6 * static_cast<double>(link_.now_us() - start_us_); }
@@ -59,8 +73,17 @@ class Dump {
     link_.send(question);
     print(question);
   }
+  // Who says that it has no table.
+  void note_claim(const wire::CanFrame& frame) {
+    if (!wire::is_claim(frame)) return;
+    const auto joined = claims_[frame.id].add(frame);
+    const auto claim =
+        joined ? wire::decode_claim(*joined) : Result<wire::NodeClaim>(std::unexpected(Status::kTooShort));
+    if (claim && !claim->has_table) fresh_.insert(fmt::format("controller {}", session::to_text(claim->unique_id)));
+  }
   void print(const wire::CanFrame& frame) {
     ++count_;
+    note_claim(frame);
     const std::string bytes = session::bytes_text(frame), meaning = reader_.text(frame);
     if (!output_.json()) output_.say(fmt::format("({:.6f})  {}  {:<36}  {}", seconds(), name_, bytes, meaning));
     nlohmann::json row = {{"time_s", seconds()}, {"frame", bytes}, {"meaning", meaning}};
@@ -73,22 +96,26 @@ class Dump {
   const Options& options_;
   const Output& output_;
   session::FrameReader reader_;
+  std::map<std::uint32_t, wire::IdFrames> claims_;
+  std::set<std::string> fresh_;
   std::uint64_t start_us_ = 0, count_ = 0;
 };
 
 int run(const Options& options, Output& output) {
   output.expect_interrupt();
   std::atomic<std::uint64_t> frames = 0, thrown_away = 0;
+  std::atomic<bool> is_good = true;
   on_each_bus(options.site, output, [&](const OpenBus& at) {
     at.link.receive_from_all();
     Dump dump(at.link, at.config == nullptr || at.config->name.empty() ? at.link.name() : at.config->name, options,
               output);
     dump.run();
     frames += dump.count();
+    if (!dump.is_good()) is_good = false;
     thrown_away += at.link.thrown_away();
   });
   output.result = {{"frames", frames.load()}, {"thrown_away", thrown_away.load()}};
-  return 0;
+  return is_good ? 0 : 1;
 }
 
 const Registration kDump{{

@@ -13,6 +13,7 @@
 #include "shown_design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/exports/icub_files.hpp"
 #include "triskin/exports/simulators.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
@@ -83,10 +84,7 @@ std::map<std::string, sheet::Paper> papers() {
   return papers;
 }
 
-std::string extension_of(const std::string& file) {
-  return std::filesystem::path(file).extension().string();
-}
-std::string extension_of(const Format& format) {
+std::string ending_of(const Format& format) {
   // The name ".svg" alone would be a hidden file without an extension.
   return extension_of(std::string("name") + format.suffix);
 }
@@ -97,17 +95,17 @@ const Format& format_of(const Options& options) {
   const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
   if (options.format.empty()) {
     for (const auto& [name, format] : kFormats) {
-      if (has_file && extension_of(options.output) == extension_of(format)) return format;
+      if (has_file && extension_of(options.output) == ending_of(format)) return format;
     }
     throw InputError(
         "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf, "
         ".sdf, .xml, .json, .npz, .pdf, .h5, .txt or .ini");
   }
   const Format& format = kFormats.at(options.format);
-  if (has_file && extension_of(options.output) != extension_of(format)) {
+  if (has_file && extension_of(options.output) != ending_of(format)) {
     throw InputError(
         fmt::format("{}: the format {} is written to files that end with {}; rename it or choose another format",
-                    options.output, options.format, extension_of(format)));
+                    options.output, options.format, ending_of(format)));
   }
   return format;
 }

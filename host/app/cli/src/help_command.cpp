@@ -47,7 +47,7 @@ std::optional<int> answer_help(const CLI::App& program, int argc, const char* co
   if (topic == "links") return print(kLinks);
   if (const CLI::App* command = find_command(program, topic)) return print(command->help(program.get_name()));
   const char* const asked[] = {argv[0], argv[2]};
-  const std::string question = did_you_mean(program, 2, asked);
+  const std::string question = did_you_mean(program, 2, asked, true);
   std::fputs(fmt::format("triskin: there is no command {}{}\n", topic, question.empty() ? "" : "; " + question).c_str(),
              stderr);
   return 2;

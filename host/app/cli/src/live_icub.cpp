@@ -68,7 +68,11 @@ int live_icub(const connect::LinkOptions& link_options, const design::Design* de
   skin.run(run);
   output.result = {{"boards", std::move(boards)}, {"frames", skin.stream().frames()}, {"lost", skin.stream().lost()}};
   report_triangles(skin, output);
-  return 0;
+  if (!output.result["triangles"].empty()) return 0;
+  output.say(skin.stream().boards().empty()
+                 ? "no board answered; check the power and the cable"
+                 : "no triangle sent a value; if the boards are Triskin's, run triskin flash first");
+  return 1;
 }
 
 }  // namespace triskin::cli

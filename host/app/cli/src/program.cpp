@@ -25,6 +25,7 @@
 #include "generate_docs.hpp"
 #include "help_command.hpp"
 #include "help_format.hpp"
+#include "ros_arguments.hpp"
 #include "settings.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
@@ -74,6 +75,14 @@ std::string output_of(const CLI::App& app) {
   return option == nullptr || option->empty() ? std::string{} : option->as<std::string>();
 }
 
+// An empty value is what an unset variable of a shell leaves; it would count as 0 or as if the option were left out.
+void require_values(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (std::ranges::any_of(option->results(), &std::string::empty))
+      throw InputError(fmt::format("{}: the value is empty", option->get_name()));
+  }
+}
+
 // A command that overwrites its input would destroy it when it is interrupted, and could not be repeated.
 void require_other_than_inputs(const CLI::App& app, const std::string& output) {
   std::error_code none;
@@ -113,6 +122,7 @@ int run_entry(const Entry& entry) {
   try {
     const std::string file = output_of(*entry.app);
     if (file == "-" && entry.json) throw InputError("-o - and --json both want standard output; leave one out");
+    require_values(*entry.app);
     require_other_than_inputs(*entry.app, file);
     Output output(entry.json, file == "-");
     const int status = entry.run(output);
@@ -165,7 +175,9 @@ int refuse(const CLI::App& program, const CLI::ParseError& error, int argc, cons
   if (unknown) what = fmt::format("there is no command {}", argv[1]);
   if (argc == 1) what = "no command is given";
   if (argc > 1 && argv[1][0] == '-') what = fmt::format("{} is not known here", argv[1]);
-  if (const std::string question = did_you_mean(program, argc, argv); !question.empty()) what += "; " + question;
+  if (const std::string question = did_you_mean(program, argc, argv, what.ends_with("is not known here"));
+      !question.empty())
+    what += "; " + question;
   const std::string command = unknown || argc == 1 || argv[1][0] == '-' ? "" : fmt::format(" {}", argv[1]);
   return fail(fmt::format("{}\nRun triskin{} --help for more.", what, command), 2);
 }
@@ -196,6 +208,7 @@ int run_program(const std::string& description, int argc, char** argv) {
   if (const auto status = answer_help(program, argc, argv)) return when_written(*status);
   if (const auto status = answer_generate_docs(program, argc, argv)) return when_written(*status);
   if (!mistake_in_settings.empty()) return fail(mistake_in_settings, 2);
+  argc = take_ros_arguments(argc, argv);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -16,6 +16,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/bridge/bridge.hpp"
 #include "triskin/hdf5/recording.hpp"
@@ -89,7 +90,7 @@ constexpr std::uint64_t kSlice_us = 100'000;
 
 // Returns the format given by --format, or else by the extension; an extension that contradicts --format is refused.
 Format format_of(const Options& options, bool is_robot) {
-  const std::string extension = std::filesystem::path(options.output).extension().string();
+  const std::string extension = extension_of(options.output);
   const auto by_extension =
       extension == ".h5" ? Format::kHdf5 : kFormatNames.value(extension.empty() ? "" : extension.substr(1));
   if (options.to.empty()) {
@@ -414,7 +415,7 @@ void require_split(const Options& options, bool is_robot) {
   const bool is_special = options.output == "-" || (std::filesystem::exists(options.output, none) &&
                                                     std::filesystem::is_other(options.output, none));
   if (is_special) throw InputError("--split: standard output, a pipe or a device is one file; give -o FILE");
-  if (is_robot && std::filesystem::path(options.output).extension() == ".mcap")
+  if (is_robot && extension_of(options.output) == ".mcap")
     throw InputError("--split: of a robot the files of its covers are divided; give -o FOLDER");
 }
 
@@ -486,7 +487,7 @@ int run(Options options, Output& output) {
   if (format == Format::kHdf5) require_hdf5(options.output);
   require_split(options, site.is_robot);
   std::optional<JointFile> joint;
-  if (site.is_robot && std::filesystem::path(options.output).extension() == ".mcap") {
+  if (site.is_robot && extension_of(options.output) == ".mcap") {
     joint.emplace(options.output);
     options.output = joint->folder();
   } else if (site.is_robot) {
@@ -528,9 +529,10 @@ const Registration kRecord{{
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();
-      app.add_option("--split", options->split,
-                     "begin a new file, NAME_1, NAME_2 …, after this size or time (200MB, 10min); each can be read "
-                     "alone");
+      app.add_option(
+          "--split", options->split,
+          "files NAME_0, NAME_1 … (as rosbag2 names them), a new one after this size or time (200MB, 10min); "
+          "each can be read alone");
       app.add_option("--cloud-hz", options->cloud_hz, "mcap: points with their values, so often (0: none)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <vector>
 
 #include "shown_contact.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/skin/touch_map.hpp"
 #include "triskin/view/frame_track.hpp"
@@ -15,7 +15,7 @@
 namespace triskin::cli {
 
 bool is_recording(const std::string& file) {
-  return std::filesystem::path(file).extension() == ".mcap";
+  return extension_of(file) == ".mcap";
 }
 
 RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {

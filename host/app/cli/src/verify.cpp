@@ -20,6 +20,7 @@
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/lower_case.hpp"
 #include "triskin/design/module_number.hpp"
 #include "triskin/diagnose/design_files.hpp"
 #include "triskin/diagnose/repair.hpp"
@@ -44,10 +45,6 @@ bool ask_person(const std::string& cover, design::ModuleNumber module) {
   std::cerr << cover << "Press module " << module.value << " after Enter (s: skip) " << std::flush;
   std::string line;
   return std::getline(std::cin, line) && line != "s";
-}
-
-std::string extension_of(const std::string& file) {
-  return std::filesystem::path(file).extension().string();
 }
 
 // Fails before the hardware is used, so that a wrong name does not cost minutes of pressing.

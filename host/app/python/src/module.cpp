@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -166,7 +167,7 @@ class Skin {
   }
 
   py::array_t<triskin_sample> read(double seconds) {
-    if (!(seconds >= 0.0)) throw BadInput("read: seconds must be 0 or more");
+    if (!(seconds >= 0.0) || !std::isfinite(seconds)) throw BadInput("read: seconds must be 0 or more, and finite");
     const Turn turn(*this);
     constexpr double kSlice_s = 0.05;
     constexpr double kMinRest_s = 1e-5;  // Seconds since 1970 have a resolution of 0.24 µs, and links count whole µs.

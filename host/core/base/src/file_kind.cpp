@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 
+#include "file_signs.hpp"
 #include "triskin/base/lower_case.hpp"
 
 namespace triskin {
@@ -14,121 +15,8 @@ namespace {
 
 constexpr std::size_t kLooked = 4096;  // The kind is recognised from this many bytes at the beginning.
 
-struct Sign {
-  std::string_view bytes, what;
-  FileUse use = FileUse::kOther;
-  std::string_view remedy = {};
-  std::size_t at = 0;
-  // Bytes that have to be there too: at `also_at`, or for 0 anywhere among those that are looked at.
-  std::string_view also = {};
-  std::size_t also_at = 0;
-
-  [[nodiscard]] bool is_of(std::string_view head) const {
-    if (head.size() <= at || !head.substr(at).starts_with(bytes)) return false;
-    if (also_at == 0) return head.find(also) != std::string_view::npos;
-    return head.size() > also_at && head.substr(also_at).starts_with(also);
-  }
-};
-
 using enum FileUse;
-using namespace std::string_view_literals;  // for signatures with a byte 0
-constexpr auto kSigns = std::to_array<Sign>({
-    {"version https://git-lfs", "a pointer of Git LFS, not the file itself", kPacked, "run \"git lfs pull\""},
-    {"\x1F\x8B", "gzip data", kPacked, "unpack it with gunzip"},
-    {"BZh", "bzip2 data", kPacked, "unpack it with bunzip2"},
-    {"\xFD"
-     "7zXZ",
-     "xz data", kPacked, "unpack it with unxz"},
-    {"\x28\xB5\x2F\xFD", "Zstandard data", kPacked, "unpack it with unzstd"},
-    {"7z\xBC\xAF\x27\x1C", "a 7z archive", kPacked, "unpack it"},
-    {"Rar!", "a RAR archive", kPacked, "unpack it"},
-    {"ustar", "a tar archive", kPacked, "unpack it", 257},
-    {"%PDF", "a PDF"},
-    {"%!PS", "a PostScript document", kDrawing},
-    {"\x89PNG", "a PNG picture"},
-    {"\xFF\xD8\xFF", "a JPEG picture"},
-    {"GIF8", "a GIF picture"},
-    {"BM", "a BMP picture", kOther, {}, 0, "\0\0\0\0"sv, 6},
-    {"II*\0"sv, "a TIFF picture"},
-    {"RIFF", "a WebP picture", kOther, {}, 0, "WEBP", 8},
-    {"ftyphei", "a HEIC picture", kOther, {}, 4},
-    {"ftypmif1", "a HEIC picture", kOther, {}, 4},
-    {"ftyp", "a video", kOther, {}, 4},
-    {"DICM", "a medical picture (DICOM)", kOther,
-     "make a surface of it in a program for segmentation, such as 3D Slicer", 128},
-    {"\x7F"
-     "ELF",
-     "a program (ELF)", kFirmware},
-    {"**ABCDEFGHIJKLMNOPQRSTUVWXYZ", "a Parasolid model (text)", kCad},
-    {"PS\0\0"sv, "a Parasolid model (binary)", kCad},
-    {"ACIS BinaryFile", "an ACIS model (SAB)", kCad},
-    {"ASM BinaryFile", "an ACIS model (SAB)", kCad},
-    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "a document of a CAD or office program (SolidWorks, Inventor, Solid Edge)",
-     kCad},
-    {"V5_CFV2", "a CATIA model", kCad},
-    {"3D Geometry File Format", "a Rhino model", kCad},
-    {"#UGC:", "a part of Creo", kCad},
-    {"PTC", "a part of Creo", kCad},
-    {"\xFF\xFE\xFF\x0E"
-     "S\0k\0e\0t\0c\0h\0U\0p"sv,
-     "a SketchUp model", kCad},
-    {"\xE0\xBB\xBF"
-     "SketchUp",
-     "a SketchUp model", kCad},  // once it was converted from UTF-16, as which it begins
-    {"(kicad_pcb", "a circuit board of KiCad", kOther, "export it as STEP"},
-    {"DBRep_DrawableShape", "a BREP file of OpenCASCADE", kCad},
-    {"CASCADE Topology", "a BREP file of OpenCASCADE", kCad},
-    {"AC10", "an AutoCAD drawing (DWG)", kDrawing, "save it as DXF for \"triskin place\", or export a solid as STEP"},
-    {"AutoCAD Binary DXF", "a binary DXF drawing", kDrawing, "save it as a text DXF"},
-    {"BLENDER", "a Blender document", kMesh},
-    {"//Maya ASCII", "a Maya scene", kMesh},
-    {"FOR4", "a Maya scene (binary)", kMesh},
-    {"*HEADING", "a mesh of finite elements (Abaqus)", kMesh},
-    {"*NODE", "a mesh of finite elements (Abaqus)", kMesh},
-    {"$ ", "a mesh of finite elements (Nastran)", kMesh, {}, 0, "BULK"},
-    {"BEGIN BULK", "a mesh of finite elements (Nastran)", kMesh},
-    {"(0 \"", "a mesh of Fluent", kMesh},
-    {"#usda", "a USD scene (text)", kMesh},
-    {"PXR-USDC", "a USD scene (binary)", kMesh},
-    {"Kaydara FBX", "an FBX scene", kMesh},
-    {"; FBX", "an FBX scene (text)", kMesh},
-    {"#VRML", "a VRML scene", kMesh},
-    {"xof 0", "a DirectX mesh (.x)", kMesh},
-    {"AC3D", "an AC3D mesh", kMesh},
-    {"LWO", "a LightWave mesh", kMesh, {}, 8},
-    {"U3D\0"sv, "a U3D scene", kMesh},
-    {"DRACO", "a mesh compressed by Draco", kMesh},
-    {"# vtk DataFile", "a VTK file", kMesh},
-    {"$MeshFormat", "a Gmsh mesh", kMesh},
-    {"# .PCD", "a cloud of points (PCD)", kTable},
-    {"LASF", "a cloud of points (LAS)", kTable},
-    {"\x89MCAP", "a recording in MCAP", kRecording, "\"triskin replay\" plays it"},
-    {"\x89HDF", "an HDF5 file", kLog},
-    {"#ROSBAG", "a bag of ROS 1", kLog},
-    {"SQLite format 3", "a database (SQLite, as bags of ROS 2 are stored)", kLog},
-    {"MDF     ", "a measurement in MDF", kLog},
-    {"LOGG", "a log of Vector tools (BLF)", kLog},
-    {"date ", "a log of Vector tools (ASC)", kLog, {}, 0, "base "},
-    {";$FILEVERSION=", "a trace of PEAK tools (TRC)", kLog},
-    {"rosbag2_bagfile_information", "the list of a bag of ROS 2 (metadata.yaml)", kLog, "give the .mcap beside it"},
-    {"PAR1", "a table in Parquet", kTable},
-    {"\x93NUMPY", "an array of NumPy", kTable},
-    {"MATLAB 5.0", "data of MATLAB", kTable},
-    {"\x80\x04\x95", "pickled data of Python", kTable},
-    {"UF2\n", "an image in UF2", kFirmware},
-    {"DfuSe\1", "an image for DFU (DfuSe)", kFirmware},
-    {"\xD4\xC3\xB2\xA1", "a capture of packets (pcap)", kLog},
-    {"\x0A\x0D\x0D\x0A", "a capture of packets (pcapng)", kLog},
-    {"<<<<<<< ", "a file with an unsolved conflict of git", kOther, "solve it"},
-    {"newmtl ", "materials of an OBJ (.mtl)", kOther, "give the OBJ itself"},
-    {"POLYGON", "a polygon in WKT", kOutline},
-    {"MULTIPOLYGON", "polygons in WKT", kOutline},
-    {"#!", "a script"},
-    {"import ", "a program in Python"},
-    {"#include ", "a program in C"},
-    {"; generated by ", "a program for a printer (G-code)"},
-    {";FLAVOR:", "a program for a printer (G-code)"},
-});
+using file_signs::kToMillimetres;
 
 std::string_view without_space(std::string_view text) {
   const std::size_t from = text.find_first_not_of(" \t\r\n");
@@ -190,6 +78,27 @@ bool is_acis_text(const std::vector<std::string_view>& lines) {
            return line.find("ACIS") != std::string_view::npos || line.find(" ASM ") != std::string_view::npos ||
                   line.starts_with("body ") || line.starts_with("asmheader ");
          });
+}
+std::uint32_t little_endian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t k = count; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + k]);
+  return value;
+}
+
+// The table of vectors of a Cortex-M: the end of the stack in the memory at 0x2000'0000, then the start, an odd address
+// in the flash of an STM32 (Arm, ARMv7-M Architecture Reference Manual, B1.5.3).
+bool is_cortex_image(std::string_view head) {
+  constexpr std::uint32_t kMemory = 0x2000'0000, kMemoryEnd = 0x2010'0000, kFlash = 0x0800'0000,
+                          kFlashEnd = 0x0820'0000;
+  if (head.size() < 64) return false;
+  const std::uint32_t stack = little_endian(head, 0, 4), start = little_endian(head, 4, 4);
+  return stack > kMemory && stack <= kMemoryEnd && stack % 4 == 0 && start > kFlash && start < kFlashEnd &&
+         start % 2 == 1;
+}
+// "@F800", then bytes in hexadecimal digits with blanks (Texas Instruments, SLAU131).
+bool is_ti_text(const std::vector<std::string_view>& lines) {
+  return lines.size() >= 2 && lines[0].size() >= 5 && lines[0].front() == '@' && is_hex(lines[0].substr(1)) &&
+         lines[1].size() >= 2 && lines[1].find_first_not_of("0123456789ABCDEFabcdef ") == std::string_view::npos;
 }
 // Each line is a word of a letter G, M or T with a number, and its arguments; a comment may stand between.
 bool is_g_code(const std::vector<std::string_view>& lines) {
@@ -279,6 +188,14 @@ std::optional<FileKind> xml_kind(std::string_view text, const std::string& root,
   if (root == "svg") return FileKind{"an SVG drawing", kOutline};
   if (root == "amf") return FileKind{"an AMF", kMesh};
   if (root == "x3d") return FileKind{"an X3D scene", kMesh};
+  if (root == "meshlabproject") return FileKind{"a project of MeshLab", kMesh};
+  if (root == "model_3dxml") return FileKind{"a 3DXML scene", kMesh};
+  if (root == "uos") return FileKind{"a part in STEP, in XML (AP242)", kCad};
+  if (root == "plmxml") return FileKind{"a structure of parts (PLMXML)", kCad};
+  for (const std::string_view map : {"kml", "gpx", "osm"})
+    if (root == map) return FileKind{"a map (" + std::string(map) + ")", kDrawing, std::string(kToMillimetres)};
+  if (root == "opensimdocument") return FileKind{"an OpenSim model", kOtherRobot};
+  if (root == "launch") return FileKind{"a launch file of ROS", kOther};
   if (root == "model") return FileKind{"the model part of a 3MF", kOther, "give the .3mf that it was in"};
   if (root == "mesh" || root == "vtkfile") return FileKind{"a mesh in XML (<" + root + ">)", kMesh};
   if (root == "gerber" || root == "eagle") return FileKind{"a circuit board in XML", kOther};
@@ -302,6 +219,9 @@ std::optional<FileKind> zip_kind(std::string_view bytes) {
   if (any(".model")) return std::nullopt;
   if (any(".npy")) return FileKind{"an archive of NumPy arrays", kTable};
   if (any(".f3d") || any("manifest.dat")) return FileKind{"a Fusion document", kCad};
+  if (has("doc.kml")) return FileKind{"a map (KMZ)", kDrawing, std::string(kToMillimetres)};
+  if (any(".3dxml")) return FileKind{"a 3DXML scene", kMesh};
+  if (has("content.xml") && has("mimetype")) return FileKind{"a document of an office program", kOther};
   if (has("[Content_Types].xml")) return FileKind{"a document of an office program", kOther};
   constexpr std::size_t kShown = 3;
   std::string list;
@@ -315,12 +235,6 @@ std::optional<FileKind> zip_kind(std::string_view bytes) {
   return FileKind{fmt::format("a zip archive with {} in it", list), kPacked, "unpack it"};
 }
 
-std::uint32_t little_endian(std::string_view bytes, std::size_t at, std::size_t count) {
-  std::uint32_t value = 0;
-  for (std::size_t k = count; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + k]);
-  return value;
-}
-
 std::optional<FileKind> text_kind(std::string_view head) {
   const std::string_view text = without_space(head);
   const std::vector<std::string_view> lines = lines_of(text);
@@ -331,8 +245,27 @@ std::optional<FileKind> text_kind(std::string_view head) {
   if (is_candump(lines[0])) return FileKind{"a candump log", kLog};
   if (is_acis_text(lines)) return FileKind{"an ACIS model (SAT)", kCad};
   if (is_g_code(lines)) return FileKind{"a program for a machine tool or a printer (G-code)", kOther};
-  if (is_point_list(lines)) return FileKind{"a list of points", kTable};
+  if (is_ti_text(lines)) return FileKind{"an image in TI-TXT", kFirmware};
+  if (is_point_list(lines)) return FileKind{"a list of points", kCloud};
   if (is_table(lines)) return FileKind{"a table of text (CSV)", kTable};
+  return std::nullopt;
+}
+
+// Section letter and number stand in columns 73 to 80 of each line (ANSI US PRO/IPO-100); some begin with an empty
+// line.
+bool is_iges(std::string_view bytes) {
+  constexpr std::size_t kLine = 80, kSection = 72;
+  bytes = bytes.substr(std::min(bytes.find_first_not_of("\r\n"), bytes.size()));
+  const std::string_view line = bytes.substr(0, bytes.find('\n'));
+  return line.size() >= kLine && (line[kSection] == 'S' || line[kSection] == 'F') &&
+         line.substr(kSection + 1, 7).find_first_not_of("0123456789 ") == std::string_view::npos;
+}
+
+std::optional<FileKind> kind_by_ending(std::string_view name) {
+  const std::string lower = lower_case(std::string(name));
+  for (const file_signs::Ending& e : file_signs::kEndings) {
+    if (lower.ends_with(e.ending)) return FileKind{std::string(e.what), e.use, std::string(e.remedy)};
+  }
   return std::nullopt;
 }
 
@@ -340,6 +273,8 @@ std::optional<FileKind> text_kind(std::string_view head) {
 std::string next_step(const FileKind& kind, FileUse asked_for) {
   const bool is_robot = kind.use == kRobot || kind.use == kOtherRobot;
   if (asked_for == kMesh && is_robot) return "give one of the meshes that it names";
+  if (asked_for == kMesh && kind.use == kCloud)
+    return "make a surface of the points (MeshLab: Screened Poisson) and give that, as PLY, OBJ or STL";
   if (!kind.remedy.empty()) return kind.remedy;
   switch (asked_for) {
     case kMesh:
@@ -351,6 +286,7 @@ std::string next_step(const FileKind& kind, FileUse asked_for) {
     case kOutline:
       if (kind.use == kPart)
         return "\"triskin design\" covers a part; for a flat patch, export its outline as a drawing (DXF, SVG)";
+      if (kind.use == kDrawing || kind.use == kCad) return "export the outline as DXF or SVG";
       return "give a polygon in WKT or GeoJSON, or a drawing in DXF or SVG";
     case kRecording:
       return "give an MCAP file that \"triskin record\" wrote";
@@ -407,7 +343,7 @@ std::optional<FileKind> file_kind(std::string_view bytes) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   const std::string_view head = bytes.substr(0, kLooked);
-  for (const Sign& sign : kSigns) {
+  for (const file_signs::Sign& sign : file_signs::kSigns) {
     if (sign.is_of(head)) return FileKind{std::string(sign.what), sign.use, std::string(sign.remedy)};
   }
   if (head.starts_with("PK\x03\x04") || head.starts_with("PK\x05\x06")) return zip_kind(bytes);
@@ -421,10 +357,14 @@ std::optional<FileKind> file_kind(std::string_view bytes) {
   if (text.starts_with('{')) {
     if (has("triskin-design")) return FileKind{"a design of Triskin", kDesign};
     if (has("triskin-net")) return FileKind{"a net of Triskin", kOutline};
+    if (has("triskin-robot")) return FileKind{"a robot file of Triskin", kOther};
+    if (has("\"Topology\"") && has("\"arcs\""))
+      return FileKind{"a map (TopoJSON)", kDrawing, std::string(kToMillimetres)};
     if (has("\"coordinates\"") || has("\"FeatureCollection\"")) return FileKind{"GeoJSON", kOutline};
     if (has("\"asset\"") || has("\"meshes\"") || has("\"accessors\"")) return std::nullopt;  // glTF
     return FileKind{"JSON of another kind", kOther};
   }
+  if (is_cortex_image(head)) return FileKind{"a raw image for a microcontroller", kFirmware};
   if (const std::string root = root_element(head); !root.empty())
     return root == "collada" || root == "?" ? std::nullopt : xml_kind(head, root, bytes);
   return text_kind(head);
@@ -443,14 +383,19 @@ std::optional<FileKind> part_kind(std::string_view bytes) {
   if (text.starts_with("ply")) return FileKind{"a mesh (PLY)", kPart};
   if (text.starts_with("OFF")) return FileKind{"a mesh (OFF)", kPart};
   if (text.starts_with("glTF")) return FileKind{"a mesh (GLB)", kPart};
+  if (text.starts_with('{') && (named("\"asset\"") || named("\"accessors\""))) return FileKind{"a mesh (glTF)", kPart};
+  if (root_element(text) == "collada") return FileKind{"a mesh (DAE)", kPart};
+  if (is_iges(bytes)) return FileKind{"a part in IGES", kPart};
   if (text.starts_with("v ") || named("\nv ")) return FileKind{"a mesh (OBJ)", kPart};
   if (bytes.starts_with("PK") && !names_in_zip(bytes).empty()) return FileKind{"a mesh (3MF)", kPart};
   return std::nullopt;
 }
 
-std::string not_asked_for(std::string_view bytes, FileUse asked_for) {
+std::string not_asked_for(std::string_view bytes, FileUse asked_for, std::string_view name) {
   std::optional<FileKind> kind = file_kind(bytes);
-  if (!kind && (asked_for == kDesign || asked_for == kOutline)) kind = part_kind(bytes);
+  const std::optional<FileKind> part = kind ? std::nullopt : part_kind(bytes);
+  if (part && asked_for != kMesh) kind = part;
+  if (!kind && !part) kind = kind_by_ending(name);
   if (!kind || (kind->use == asked_for && asked_for != FileUse::kMesh && asked_for != FileUse::kFirmware)) return {};
   return kind->what + "; " + next_step(*kind, asked_for);
 }

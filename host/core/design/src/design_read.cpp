@@ -430,11 +430,17 @@ Design parse_design(const std::string& text, const std::string& file) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(fmt::format("{}: the file is empty", file));
   if (!begins_as_json_object(text)) {
-    const std::string what = not_asked_for(text, FileUse::kDesign);
+    const std::string what = not_asked_for(text, FileUse::kDesign, file);
     throw InputError(fmt::format("{}: is {}", file,
                                  what.empty() ? "no design file (JSON); triskin design makes one of a mesh" : what));
   }
   const nlohmann::json document = parse_json(text, file);
+  // A glTF and a GeoJSON are JSON too.
+  if (!document.contains("format")) {
+    const std::optional<FileKind> kind = file_kind(text);
+    const std::string what = kind && kind->use == FileUse::kOther ? "" : not_asked_for(text, FileUse::kDesign);
+    if (!what.empty()) throw InputError(fmt::format("{}: is {}", file, what));
+  }
   const JsonValue v(document, file);
   check_head(v);
   Design d;

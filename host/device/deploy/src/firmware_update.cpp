@@ -225,8 +225,8 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   p.bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open()) throw InputError(fmt::format("{}: cannot be read", file.string()));
   const auto head = layout::decode_package_head(p.bytes);
-  if (const std::string what =
-          not_asked_for({reinterpret_cast<const char*>(p.bytes.data()), p.bytes.size()}, FileUse::kFirmware);
+  if (const std::string what = not_asked_for({reinterpret_cast<const char*>(p.bytes.data()), p.bytes.size()},
+                                             FileUse::kFirmware, file.string());
       !head && !what.empty())
     throw InputError(fmt::format("{}: is {}", file.string(), what));
   if (!head)

@@ -27,6 +27,9 @@ bool read_at(int file, std::uint64_t offset, std::span<std::uint8_t> into) {
 
 InputFile::InputFile(const std::filesystem::path& path) {
   std::error_code none;
+  if (std::filesystem::is_directory(path, none))
+    throw InputError(fmt::format("{}: is a folder; give a recording in it, as {}", path.string(),
+                                 (path / (path.filename().string() + "_0.mcap")).string()));
   if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
     throw InputError(fmt::format("{}: is no file; give a recording", path.string()));
   file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -22,7 +22,7 @@ class Reading {
     report_.file_bytes = source_.size();
     std::array<std::uint8_t, kMagic.size()> magic{};
     if (!source_.read(0, magic) || magic != kMagic)
-      throw InputError(fmt::format("{}: not an MCAP file{}", name_, what_it_is(source_)));
+      throw InputError(fmt::format("{}: not an MCAP file{}", name_, what_it_is(source_, name_)));
     report_.whole_bytes = kMagic.size();
     auto place = place_at(source_, kMagic.size());
     while (place && place->kind != Kind::kDataEnd && read(*place)) {
@@ -135,12 +135,13 @@ class Reading {
 
 }  // namespace
 
-std::string what_it_is(const ByteSource& source) {
+std::string what_it_is(const ByteSource& source, const std::string& name) {
+  if (source.size() == 0) return ": it is empty; give one that \"triskin record\" wrote";
   constexpr std::uint64_t kLooked = std::uint64_t{1} << 20;
   std::vector<std::uint8_t> bytes(std::min(kLooked, source.size()));
   if (!source.read(0, bytes)) return " (wrong first bytes)";
   const std::string what =
-      not_asked_for({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, FileUse::kRecording);
+      not_asked_for({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, FileUse::kRecording, name);
   return what.empty() ? " (wrong first bytes); give one that \"triskin record\" wrote" : ": it is " + what;
 }
 

@@ -10,7 +10,7 @@
 namespace triskin::recording::mcap {
 
 /// Says what a file is that does not begin as MCAP, and what to give: ": it is a candump log; give …".
-[[nodiscard]] std::string what_it_is(const ByteSource& source);
+[[nodiscard]] std::string what_it_is(const ByteSource& source, const std::string& name);
 
 struct Place {
   Kind kind{};

@@ -121,7 +121,7 @@ class Walk {
     const bool has_magic = source_.read(0, magic) && magic == kMagic;
     const auto header = place_at(source_, kMagic.size());
     if (!has_magic && (!header || header->kind != Kind::kHeader || state_of(*header) != State::kWhole))
-      throw InputError(fmt::format("{}: not an MCAP file{}", name_, what_it_is(source_)));
+      throw InputError(fmt::format("{}: not an MCAP file{}", name_, what_it_is(source_, name_)));
     if (!has_magic) lose(0, kMagic.size(), "the first bytes of the file");
   }
 

@@ -2,6 +2,7 @@
 #include "triskin/robot/frames.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -37,7 +38,7 @@ struct Joint {
 class Urdf {
  public:
   Urdf(const std::string& text, std::string file) : file_(std::move(file)) {
-    if (const std::string what = not_asked_for(text, FileUse::kRobot); !what.empty()) fail("is " + what);
+    if (const std::string what = not_asked_for(text, FileUse::kRobot, file_); !what.empty()) fail("is " + what);
     std::istringstream in(text);
     ptree document;
     try {
@@ -54,7 +55,12 @@ class Urdf {
                        names_of(document, "robot")));
     for (const auto& [tag, element] : *robot) {
       if (tag == "link") add_link(attribute(element, "link", "name"));
-      if (tag == "joint") joints_.push_back(read_joint(element));
+      if (tag == "joint") {
+        const std::string name = attribute(element, "joint", "name");
+        if (!joint_names_.insert(name).second)
+          fail(fmt::format("joint \"{}\" stands there twice; give each its own name", name));
+        joints_.push_back(read_joint(element, name));
+      }
     }
   }
 
@@ -105,21 +111,75 @@ class Urdf {
       fail(fmt::format("{}=\"{}\" must be three numbers", name, *text));
     return v;
   }
-  [[nodiscard]] Joint read_joint(const ptree& element) const {
+  // A number that has to be finite.
+  [[nodiscard]] double number_in(const ptree& element, const char* key, const std::string& where) const {
+    const std::string text = attribute(element, "limit", key);
+    std::istringstream in(text);
+    double value = 0.0;
+    std::string rest;
+    if (!(in >> value) || in >> rest || !std::isfinite(value))
+      fail(fmt::format("{}: {}=\"{}\" must be a number", where, key, text));
+    return value;
+  }
+  // What readers of ROS refuse of a joint's motion, or take in different ways (wiki.ros.org/urdf/XML/joint).
+  void check_motion(const ptree& element, const std::string& name) const {
+    constexpr std::array<std::string_view, 6> kTypes{"fixed",     "revolute", "continuous",
+                                                     "prismatic", "floating", "planar"};
+    const std::string type = attribute(element, "joint", "type"), where = fmt::format("joint \"{}\"", name);
+    if (std::ranges::find(kTypes, type) == kTypes.end())
+      fail(fmt::format("{} has the type \"{}\"; there are {}", where, type, fmt::join(kTypes, ", ")));
+    if (const auto axis = element.get_child_optional("axis")) {
+      const auto v = numbers(*axis, "xyz");
+      const double length = std::hypot(v[0], v[1], v[2]);
+      constexpr double kRounding = 0.01;  // Files have two to six digits of each component.
+      if (std::abs(length - 1.0) > kRounding)
+        fail(fmt::format("{} has an axis of length {:g}; write it with length 1{}", where, length,
+                         length > 0.0
+                             ? fmt::format(": {:.6g} {:.6g} {:.6g}", v[0] / length, v[1] / length, v[2] / length)
+                             : ", as 0 0 1"));
+    }
+    if (type != "revolute" && type != "prismatic") return;
+    const auto limit = element.get_child_optional("limit");
+    if (!limit)
+      fail(
+          fmt::format("{} is {} and has no <limit>, which ROS demands; add one with effort and velocity, or make the "
+                      "joint {}",
+                      where, type, type == "revolute" ? "continuous" : "fixed"));
+    for (const char* key : {"effort", "velocity"}) (void)number_in(*limit, key, where);
+    const bool has_range =
+        limit->get_optional<std::string>("<xmlattr>.lower") && limit->get_optional<std::string>("<xmlattr>.upper");
+    if (has_range && number_in(*limit, "lower", where) > number_in(*limit, "upper", where))
+      fail(fmt::format("{} has a lower limit above its upper one; exchange them", where));
+  }
+
+  // Turns about the fixed axes x, y, z, or from version 1.1 of URDF a quaternion.
+  [[nodiscard]] Eigen::Matrix3d turn_of(const ptree& origin, const std::string& name) const {
+    const auto text = origin.get_optional<std::string>("<xmlattr>.quat_xyzw");
+    const auto rpy = numbers(origin, "rpy");
+    if (!text) return pose_of({0.0, 0.0, 0.0, rpy[0], rpy[1], rpy[2]}).linear();
+    if (origin.get_optional<std::string>("<xmlattr>.rpy"))
+      fail(fmt::format("joint \"{}\" has rpy and quat_xyzw; leave one out", name));
+    std::istringstream in(*text);
+    std::string rest;
+    Eigen::Vector4d q = Eigen::Vector4d::Zero();
+    constexpr double kRounding = 0.01;
+    if (!(in >> q[0] >> q[1] >> q[2] >> q[3]) || in >> rest || !(std::abs(q.norm() - 1.0) <= kRounding))
+      fail(fmt::format("joint \"{}\": quat_xyzw=\"{}\" must be four numbers of length 1", name, *text));
+    return Eigen::Quaterniond(q.normalized()).toRotationMatrix();
+  }
+
+  [[nodiscard]] Joint read_joint(const ptree& element, const std::string& name) const {
+    check_motion(element, name);
     Joint joint;
     const auto end = [&](const char* tag) {
       const auto found = element.get_child_optional(tag);
-      if (!found) fail(fmt::format("joint \"{}\" has no <{}>", attribute(element, "joint", "name"), tag));
+      if (!found) fail(fmt::format("joint \"{}\" has no <{}>", name, tag));
       return attribute(*found, tag, "link");
     };
     joint.parent = end("parent");
     joint.child = end("child");
     if (const auto origin = element.get_child_optional("origin")) {
       const auto xyz = numbers(*origin, "xyz"), rpy = numbers(*origin, "rpy");
-      const std::string name = element.get<std::string>("<xmlattr>.name", "without a name");
-      if (origin->get_optional<std::string>("<xmlattr>.quat_xyzw"))
-        fail(fmt::format("joint \"{}\" is turned by quat_xyzw, which is not read here; write the same turn as rpy",
-                         name));
       if (const double far_m = std::hypot(xyz[0], xyz[1], xyz[2]); far_m > kMaxOffset_m)
         fail(fmt::format(
             "joint \"{}\" is {:g} m from its parent; a URDF is in metres: are its numbers millimetres? Then "
@@ -130,7 +190,8 @@ class Urdf {
             fmt::format("joint \"{}\" is turned by {:g} rad, more than a whole turn; a URDF is in radians: are its "
                         "numbers degrees? Then write {:.7g} for {:g}",
                         name, turn, turn * std::numbers::pi / 180.0, turn));
-      joint.origin = pose_of({kMm_per_m * xyz[0], kMm_per_m * xyz[1], kMm_per_m * xyz[2], rpy[0], rpy[1], rpy[2]});
+      joint.origin.linear() = turn_of(*origin, name);
+      joint.origin.translation() = kMm_per_m * Eigen::Vector3d(xyz[0], xyz[1], xyz[2]);
     }
     return joint;
   }
@@ -153,7 +214,7 @@ class Urdf {
   }
 
   std::string file_;
-  std::set<std::string> links_;
+  std::set<std::string> links_, joint_names_;
   std::vector<Joint> joints_;
 };
 

@@ -232,7 +232,7 @@ MeshFile read_any_size(const std::filesystem::path& path, std::optional<LengthUn
         fmt::format("{}: only STEP and IGES files have faces to choose; leave the options for faces out", name));
   const std::string bytes = without_utf16(read);
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", name));
-  if (const std::string what = not_asked_for(bytes, FileUse::kMesh); !what.empty())
+  if (const std::string what = not_asked_for(bytes, FileUse::kMesh, name); !what.empty())
     throw InputError(fmt::format("{}: is {}", name, what));
   MeshFile file;
   ObjectFilter objects{object, {}};

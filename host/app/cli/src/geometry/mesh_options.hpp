@@ -20,7 +20,8 @@ struct UnitOption {
                                                                 {"m", mesh::LengthUnit::kMetre},
                                                                 {"in", mesh::LengthUnit::kInch},
                                                                 {"inch", mesh::LengthUnit::kInch}};
-    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm, m or in")->transform(one_of(kUnits));
+    app.add_option("--unit", unit, "unit of the file's numbers, whatever the file says: mm, cm, m or in")
+        ->transform(one_of(kUnits));
   }
 };
 

@@ -11,6 +11,7 @@
 
 #include "command.hpp"
 #include "corner_cut_option.hpp"
+#include "mesh_options.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
@@ -29,6 +30,7 @@ struct Options {
   std::string proof;
   std::string weights;
   std::string output;
+  UnitOption unit;
   int piece = -1;  // A negative number, −1, selects all pieces of the net.
   std::vector<int> node{0, 0};
   std::string lattices;  // "auto" or a number; empty: one lattice, whose optimum is proved.
@@ -142,8 +144,11 @@ std::string module_list(const std::vector<placement::PlacementResult>& results) 
   return nlohmann::json{{"modules", std::move(modules)}}.dump() + "\n";
 }
 
-std::vector<design::Polygon> polygons_of(const Options& options) {
-  std::vector<design::Polygon> polygons = placement::read_polygons(options.polygon);
+std::vector<design::Polygon> polygons_of(const Options& options, const Output& output) {
+  const std::optional<mesh::LengthUnit>& unit = options.unit.unit;
+  auto [polygons, remark] =
+      placement::read_polygons(options.polygon, unit ? std::optional(mesh::scale_of(*unit)) : std::nullopt);
+  if (!remark.empty()) output.say(fmt::format("{}: {}", options.polygon, remark));
   const int pieces = static_cast<int>(polygons.size());
   if (options.piece >= pieces)
     throw InputError(fmt::format("--piece {}: {} has pieces 0 … {}", options.piece, options.polygon, pieces - 1));
@@ -186,7 +191,8 @@ const char* reason_of_nothing(const std::vector<placement::PlacementResult>& res
   const bool open = std::ranges::any_of(results, [](const auto& r) { return r.upper_bound > 0; });
   return open ? "no placement with a module was found before the limit, and none was excluded: give more with "
                 "--time-limit-s or --memory-mb"
-              : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm";
+              : "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm unless --unit names "
+                "another unit";
 }
 
 placement::LatticesOptions lattices_options(const Options& options) {
@@ -234,7 +240,7 @@ nlohmann::json lattices_json(const placement::FlatLayout& layout, const placemen
 int run_lattices(const Options& options, Output& output) {
   constexpr double kOneLatticeShare = 0.3;
   placement::LatticesOptions lattices = lattices_options(options);
-  const std::vector<design::Polygon> polygons = polygons_of(options);
+  const std::vector<design::Polygon> polygons = polygons_of(options, output);
   if (!options.output.empty() && polygons.size() > 1)
     throw InputError("-o: a layout of several lattices is that of one outline; choose one with --piece");
   const double time_limit_s = lattices.time_limit_s / static_cast<double>(polygons.size());
@@ -258,7 +264,9 @@ int run_lattices(const Options& options, Output& output) {
   output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
   output.result["gap_mm"] = lattices.gap_mm;
   if (output.result["modules"].get<int>() > 0) return 0;
-  output.say("no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
+  output.say(
+      "no module fits: a module is a triangle with sides of 30 mm, and lengths are mm unless --unit names another "
+      "unit");
   return 1;
 }
 
@@ -266,7 +274,7 @@ int run(const Options& options, Output& output) {
   if (!options.lattices.empty()) return run_lattices(options, output);
   if (!options.output.empty() && options.placement.shape != placement::TileShape::kTriangle)
     throw InputError("-o: only triangles can be routed; leave --shape or -o out");
-  const std::vector<design::Polygon> polygons = polygons_of(options);
+  const std::vector<design::Polygon> polygons = polygons_of(options, output);
   std::vector<placement::PlacementResult> results;
   nlohmann::json pieces = nlohmann::json::array();
   int modules = 0;
@@ -284,6 +292,12 @@ int run(const Options& options, Output& output) {
     for (const design::Vec2& p : polygon.outer) box.extend(p);
     pieces.back()["size_mm"] = {box.sizes().x(), box.sizes().y()};
     pieces.back()["area_cm2"] = placement::polygon_area(polygon) / 100.0;
+    constexpr double kSkinOfPerson_mm2 = 1.5e6;
+    if (placement::polygon_area(polygon) > kSkinOfPerson_mm2 && !options.unit.unit)
+      output.say(
+          fmt::format("{:.1f} m² are more than the skin of a person (1.5 m²); if the unit is wrong, --unit names the "
+                      "right one",
+                      1e-6 * placement::polygon_area(polygon)));
     if (!output.json()) {
       output.say(fmt::format("outline of {:.1f} × {:.1f} mm, {:.1f} cm²", box.sizes().x(), box.sizes().y(),
                              placement::polygon_area(polygon) / 100.0));
@@ -356,6 +370,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("POLYGON", options.polygon,
                  "GeoJSON or WKT polygon in mm, holes allowed; a drawing in DXF or SVG; or the net that unfold writes")
       ->required();
+  options.unit.add_to(app);
   app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
   app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));
   app.add_option("--lattices", options.lattices,

@@ -182,7 +182,7 @@ class ModelReader {
   [[nodiscard]] Shown shown(const XmlTag& tag) const {
     const std::string path = percent_decoded(tag.attribute("path", kProduction));
     Shown s{path.empty() ? part_ : path, std::string(tag.attribute("objectid")), Eigen::Affine3d::Identity(),
-            tag.attribute("printable") != "0"};
+            tag.attribute("printable") != "0" && tag.attribute("printable") != "false"};
     std::string text(tag.attribute("transform"));
     std::ranges::replace_if(text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
     std::string_view rest = text;

@@ -45,9 +45,12 @@ std::string upper_case(std::string text) {
 // The reference of the format is AutoCAD's "DXF Reference"; entities lie in the plane z = 0.
 class DxfReader {
  public:
-  DxfReader(const std::string& text, const std::string& name) : name_(name), outline_(name) { split(text); }
+  DxfReader(const std::string& text, const std::string& name, std::optional<double> unit_mm)
+      : name_(name), outline_(name), given_mm_(unit_mm), unit_mm_(unit_mm.value_or(1.0)) {
+    split(text);
+  }
 
-  Polygon read() {
+  Drawing read() {
     std::string section;
     for (std::size_t k = 0; k < groups_.size(); ++k) {
       if (groups_[k].code != 0) continue;
@@ -71,7 +74,9 @@ class DxfReader {
                           "polylines or splines",
                           list));
     }
-    return outline_.polygon();
+    const bool is_said = given_mm_ || says_unit_;
+    return {outline_.polygon(),
+            is_said ? "" : "the drawing names no unit; its numbers are taken as millimetres, --unit names another"};
   }
 
  private:
@@ -108,11 +113,11 @@ class DxfReader {
 
   void variable(const std::vector<Group>& groups, std::size_t k) {
     if (groups[k].code != 9 || groups[k].value != "$INSUNITS" || k + 1 >= groups.size()) return;
-    // 0 says that the drawing has no unit.
-    static const std::map<int, double> kUnits_mm{{0, 1.0},    {1, 25.4},   {2, 304.8},   {4, 1.0},
-                                                 {5, 10.0},   {6, 1000.0}, {8, 2.54e-5}, {9, 0.0254},
-                                                 {10, 914.4}, {13, 1e-3},  {14, 100.0}};
     const int unit = static_cast<int>(number(groups[k + 1]));
+    says_unit_ = unit != 0;
+    if (!says_unit_ || given_mm_) return;
+    static const std::map<int, double> kUnits_mm{{1, 25.4},    {2, 304.8},  {4, 1.0},    {5, 10.0},  {6, 1000.0},
+                                                 {8, 2.54e-5}, {9, 0.0254}, {10, 914.4}, {13, 1e-3}, {14, 100.0}};
     const auto found = kUnits_mm.find(unit);
     if (found == kUnits_mm.end())
       fail(groups[k + 1].line, fmt::format("$INSUNITS {} is no unit of a part; draw it in millimetres (4)", unit));
@@ -352,14 +357,15 @@ class DxfReader {
   std::set<std::string> off_layers_{"DEFPOINTS"};  // Points of dimensions lie on it; it is never plotted.
   std::set<std::string> unread_;
   std::optional<OpenPolyline> polyline_;
-  double unit_mm_ = 1.0, flip_ = 1.0;
-  bool has_curves_ = false, had_curves_ = false;
+  std::optional<double> given_mm_;
+  double unit_mm_, flip_ = 1.0;
+  bool says_unit_ = false, has_curves_ = false, had_curves_ = false;
 };
 
 }  // namespace
 
-Polygon polygon_of_dxf(const std::string& text, const std::string& name) {
-  return DxfReader(text, name).read();
+Drawing outline_of_dxf(const std::string& text, const std::string& name, std::optional<double> unit_mm) {
+  return DxfReader(text, name, unit_mm).read();
 }
 
 }  // namespace triskin::placement

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,16 +52,24 @@ class Outline {
   std::vector<Path> paths_;
 };
 
+/// The outline of a drawing, and what its reader has to know about it, empty for nothing.
+struct Drawing {
+  Polygon polygon;
+  std::string remark;
+};
+
 /// Reads the outline of a text DXF (lines, polylines with bulges, circles, arcs, ellipses, splines) in its unit
-/// ($INSUNITS; mm without one). Layers that are off or frozen, the layer Defpoints, invisible entities, paper space and
-/// annotations are left out, curves that leave a plane z = constant refused. Errors: InputError naming `name` and the
-/// line.
-[[nodiscard]] Polygon polygon_of_dxf(const std::string& text, const std::string& name);
+/// ($INSUNITS; mm without one, which the remark says), or in `unit_mm` where that is given. Layers that are off or
+/// frozen, the layer Defpoints, invisible entities, paper space and annotations are left out, curves that leave a plane
+/// z = constant refused. Errors: InputError naming `name` and the line.
+[[nodiscard]] Drawing outline_of_dxf(const std::string& text, const std::string& name, std::optional<double> unit_mm);
 
 /// Reads the outline of an SVG (paths and basic shapes with their transforms), in the unit of its width and viewBox (96
-/// px an inch without both), with y up. What is not displayed or not painted is left out; style sheets that hide or
-/// move, clip paths, masks and entities are refused. Errors: InputError naming `name` and the element.
-[[nodiscard]] Polygon polygon_of_svg(const std::string& text, const std::string& name);
+/// px an inch without both, which the remark says), or with user units of `unit_mm` where that is given, with y up.
+/// What is not displayed or not painted is left out, also by a style sheet whose selectors are names of elements,
+/// classes and ids. Other selectors, sheets that move, cut or name another file, clip paths, masks and entities are
+/// refused. Errors: InputError naming `name` and the element.
+[[nodiscard]] Drawing outline_of_svg(const std::string& text, const std::string& name, std::optional<double> unit_mm);
 
 template <class Place>
 void Outline::curve(const Place& place, double bend_mm) {

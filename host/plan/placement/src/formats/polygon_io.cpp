@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -331,6 +332,28 @@ std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
   return polygons;
 }
 
+Polygon scaled(Polygon polygon, std::optional<double> unit_mm) {
+  for (Vec2& p : polygon.outer) p *= unit_mm.value_or(1.0);
+  for (auto& hole : polygon.holes)
+    for (Vec2& p : hole) p *= unit_mm.value_or(1.0);
+  return polygon;
+}
+
+// GeoJSON of maps has degrees (RFC 7946, 4). Those of a town or a country are too small for a module and lie farther
+// from 0 than they are large; a small outline in mm does so rarely, and no module fits on it anyway.
+void require_no_degrees(const Polygon& polygon, const std::string& name) {
+  Eigen::AlignedBox2d box;
+  for (const Vec2& p : polygon.outer) box.extend(p);
+  const Vec2 far = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+  const bool is_on_earth = far.x() <= 180.0 && far.y() <= 90.0;
+  const double size = box.sizes().maxCoeff();
+  if (box.isEmpty() || !is_on_earth || size >= design::kSide_mm || box.exteriorDistance(Vec2(0.0, 0.0)) <= size) return;
+  fail(name,
+       fmt::format("its coordinates look like degrees of longitude and latitude ({:g}, {:g}), as maps have them; an "
+                   "outline has mm (--unit names another length)",
+                   polygon.outer.front().x(), polygon.outer.front().y()));
+}
+
 // A net may have cracks of zero width, which its pieces need; a drawn polygon may not.
 Polygon valid_polygon(Polygon polygon, const std::string& name) {
   Polygon cleaned = polygon;
@@ -338,6 +361,10 @@ Polygon valid_polygon(Polygon polygon, const std::string& name) {
   for (std::size_t h = 0; h < cleaned.holes.size(); ++h) clean_ring(cleaned.holes[h], name, h + 1);
   require_valid_polygon(cleaned, name);
   return normalize_polygon(std::move(cleaned), name);
+}
+
+Outlines drawn(Drawing drawing, const std::string& name) {
+  return {{valid_polygon(std::move(drawing.polygon), name)}, std::move(drawing.remark)};
 }
 
 }  // namespace
@@ -380,30 +407,37 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
   return polygon;
 }
 
-std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name) {
+Outlines parse_polygons(const std::string& text, const std::string& name, std::optional<double> unit_mm) {
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm, or a net");
-  const std::optional<FileKind> kind = text[first] == '{' ? std::nullopt : file_kind(text);
-  if (kind && kind->what == "a DXF drawing") return {valid_polygon(polygon_of_dxf(text, name), name)};
-  if (kind && kind->what == "an SVG drawing") return {valid_polygon(polygon_of_svg(text, name), name)};
-  if (text[first] != '{') {
-    const std::string other = not_asked_for(text, FileUse::kOutline);
+  const std::optional<FileKind> kind = file_kind(text);
+  if (kind && kind->what == "a DXF drawing") return drawn(outline_of_dxf(text, name, unit_mm), name);
+  if (kind && kind->what == "an SVG drawing") return drawn(outline_of_svg(text, name, unit_mm), name);
+  const bool is_json = text[first] == '{';
+  // JSON that may be meant as a polygon is said to lack what it lacks.
+  if (!is_json || !kind || kind->use != FileUse::kOther) {
+    const std::string other = not_asked_for(text, FileUse::kOutline, is_json ? "" : name);
     if (!other.empty()) fail(name, "is " + other);
-    return {valid_polygon(WktReader(text, name).read(), name)};
   }
+  if (!is_json) return {{valid_polygon(scaled(WktReader(text, name).read(), unit_mm), name)}, {}};
   const json document = design::parse_json(text.substr(first), name);
-  if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);
-  return {valid_polygon(from_geojson(document, name), name)};
+  if (document.value("format", json()) == "triskin-net") {
+    if (unit_mm) fail(name, "is a net, which is in mm; leave --unit out");
+    return {pieces_of_net(document, name), {}};
+  }
+  const Polygon polygon = from_geojson(document, name);
+  if (!unit_mm) require_no_degrees(polygon, name);
+  return {{valid_polygon(scaled(polygon, unit_mm), name)}, {}};
 }
 
 Polygon parse_polygon(const std::string& text, const std::string& name) {
-  std::vector<Polygon> polygons = parse_polygons(text, name);
+  std::vector<Polygon> polygons = parse_polygons(text, name).polygons;
   if (polygons.size() != 1) fail(name, fmt::format("is a net of {} pieces; choose one with --piece", polygons.size()));
   return std::move(polygons.front());
 }
 
-std::vector<Polygon> read_polygons(const std::filesystem::path& path) {
-  return parse_polygons(read_text(path), path.string());
+Outlines read_polygons(const std::filesystem::path& path, std::optional<double> unit_mm) {
+  return parse_polygons(read_text(path), path.string(), unit_mm);
 }
 
 Polygon read_polygon(const std::filesystem::path& path) {

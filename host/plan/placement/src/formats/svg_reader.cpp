@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
@@ -71,7 +72,9 @@ std::string local_name(const std::string& name) {
 
 class SvgReader {
  public:
-  SvgReader(const std::string& text, const std::string& name) : name_(name), outline_(name) {
+  SvgReader(const std::string& text, const std::string& name, std::optional<double> unit_mm)
+      : name_(name), outline_(name), unit_mm_(unit_mm) {
+    if (text.find("<?xml-stylesheet") != std::string::npos) fail("?xml-stylesheet", kOtherFile);
     if (text.find("<!ENTITY") != std::string::npos)
       throw InputError(
           name_ +
@@ -85,8 +88,9 @@ class SvgReader {
     }
   }
 
-  Polygon read() {
+  Drawing read() {
     collect(document_);
+    write_inline(document_);
     for (const auto& [tag, element] : document_) {
       if (local_name(tag) != "svg") continue;
       page_ = to_mm(element);
@@ -94,10 +98,17 @@ class SvgReader {
       refuse_cut("svg", element, page_);
       children(element, page_, paint_of(element, {}), 0);
     }
-    return outline_.polygon();
+    return {outline_.polygon(),
+            is_in_pixels_
+                ? "its lengths are pixels, taken as 96 an inch; for another scale (Illustrator means 72) give "
+                  "the drawing a width and height in mm, or --unit"
+                : ""};
   }
 
  private:
+  static constexpr const char* kOtherFile =
+      "the style sheet is in another file, which is not read; save the drawing with inline styles, or as plain SVG";
+
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
     throw InputError(fmt::format("{}: <{}>: {}", name_, where, what));
   }
@@ -118,13 +129,13 @@ class SvgReader {
     }
     return value;
   }
+  static std::string_view trimmed(std::string_view s) {
+    const std::size_t from = s.find_first_not_of(" \t\r\n");
+    return from == std::string_view::npos ? std::string_view()
+                                          : s.substr(from, s.find_last_not_of(" \t\r\n") + 1 - from);
+  }
   // "display: none !important" in two.
   static std::pair<std::string_view, std::string_view> declaration(std::string_view text) {
-    const auto trimmed = [](std::string_view s) {
-      const std::size_t from = s.find_first_not_of(" \t\r\n");
-      return from == std::string_view::npos ? std::string_view()
-                                            : s.substr(from, s.find_last_not_of(" \t\r\n") + 1 - from);
-    };
     const std::size_t colon = text.find(':');
     if (colon == std::string_view::npos) return {};
     const std::string_view value = text.substr(colon + 1);
@@ -144,37 +155,144 @@ class SvgReader {
         std::string sheet = element.data();
         for (const auto& [inner, comment] : element)
           if (inner == "<xmlcomment>") sheet += comment.data();
-        judge_sheet(std::move(sheet));
+        if (attribute(element, "media") != "print") read_sheet(std::move(sheet));
       }
+      if (name == "link" && attribute(element, "rel") == "stylesheet") fail("link", kOtherFile);
       if (name == "clipPath") clips_["url(#" + attribute(element, "id") + ")"] = &element;
       if (tag != "<xmlattr>") collect(element);
     }
   }
 
-  // What a sheet hides, moves or cuts cannot be left unread.
-  void judge_sheet(std::string sheet) {
-    for (std::size_t from = sheet.find("/*"); from != std::string::npos; from = sheet.find("/*")) {
-      const std::size_t end = sheet.find("*/", from + 2);
-      sheet.erase(from, end == std::string::npos ? end : end + 2 - from);
-    }
-    const std::string_view text = sheet;
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t end = std::min(text.find_first_of("{};", at), text.size());
-      const auto [key, value] = declaration(text.substr(at, end - at));
-      const bool is_selector = end < text.size() && text[end] == '{';
-      at = end + 1;
-      if (is_selector) continue;
-      paints_by_sheet_ = paints_by_sheet_ || key.starts_with("fill") || key.starts_with("stroke");
-      const bool hides = (key == "display" && value == "none") ||
-                         (key == "visibility" && (value == "hidden" || value == "collapse")) ||
-                         (key == "opacity" && is_zero(value));
-      const bool changes = key == "transform" || key == "translate" || key == "rotate" || key == "scale" ||
-                           key == "clip-path" || key == "mask";
-      if (hides || (changes && value != "none"))
+  // What decides whether a shape belongs to the outline.
+  static bool is_paint(std::string_view key) {
+    constexpr std::array<std::string_view, 7> kPaint{"fill",    "stroke",  "fill-opacity", "stroke-opacity",
+                                                     "opacity", "display", "visibility"};
+    return std::ranges::find(kPaint, key) != kPaint.end();
+  }
+  // What moves, cuts or shapes it.
+  static bool is_shape(std::string_view key) {
+    constexpr std::array<std::string_view, 15> kShape{"transform", "translate", "rotate", "scale", "clip-path",
+                                                      "mask",      "d",         "x",      "y",     "cx",
+                                                      "cy",        "r",         "rx",     "ry",    "points"};
+    return std::ranges::find(kShape, key) != kShape.end();
+  }
+  using Declarations = std::vector<std::pair<std::string, std::string>>;
+  // Those of the keys above; ones that shape are refused.
+  [[nodiscard]] Declarations declarations_of(std::string_view block) const {
+    Declarations list;
+    while (!block.empty()) {
+      const std::size_t end = std::min(block.find(';'), block.size());
+      const auto [key, value] = declaration(block.substr(0, end));
+      if ((is_shape(key) && value != "none") || (is_paint(key) && value.starts_with("var(")))
         fail("style", fmt::format("the style sheet sets \"{}: {}\", which is not read; save the drawing with inline "
-                                  "styles (Illustrator: Styling \"Inline Style\"), or delete what is hidden",
+                                  "styles (Illustrator: Styling \"Inline Style\")",
                                   key, value.substr(0, 30)));
+      if (is_paint(key)) list.emplace_back(key, block.substr(0, end));
+      block.remove_prefix(std::min(end + 1, block.size()));
     }
+    return list;
+  }
+
+  // A rule of the sheet for one simple selector (Selectors 3, 5 … 6.4): a name of elements, classes and an id.
+  struct Rule {
+    std::string element, id;
+    std::vector<std::string> classes;
+    Declarations declarations;
+    [[nodiscard]] std::array<std::size_t, 3> specificity() const {
+      return {id.empty() ? 0U : 1U, classes.size(), element.empty() ? 0U : 1U};
+    }
+  };
+  [[nodiscard]] Rule rule_of(std::string_view selector, const Declarations& declarations) const {
+    Rule rule{{}, {}, {}, declarations};
+    for (std::string_view rest = selector; !rest.empty();) {
+      const char mark = rest.front();
+      const bool is_marked = mark == '.' || mark == '#';
+      const std::size_t end = std::min(rest.find_first_of(".#", is_marked ? 1 : 0), rest.size());
+      std::string name(rest.substr(is_marked ? 1 : 0, end - (is_marked ? 1 : 0)));
+      if (name.empty() || name.find_first_of(" \t\r\n>+~:[\\") != std::string::npos)
+        fail("style", fmt::format("the style sheet has the selector \"{}\", which is not read; save the drawing with "
+                                  "inline styles (Illustrator: Styling \"Inline Style\")",
+                                  selector.substr(0, 40)));
+      if (mark == '.')
+        rule.classes.push_back(std::move(name));
+      else if (mark == '#')
+        rule.id = std::move(name);
+      else if (name != "*")
+        rule.element = std::move(name);
+      rest.remove_prefix(end);
+    }
+    return rule;
+  }
+
+  void read_sheet(std::string sheet) {
+    for (const auto& [open, close] : {std::pair{"/*", "*/"}, std::pair{"<!--", "-->"}}) {
+      for (std::size_t from = sheet.find(open); from != std::string::npos; from = sheet.find(open)) {
+        const std::size_t end = sheet.find(close, from);
+        sheet.erase(from, end == std::string::npos ? end : end + std::string_view(close).size() - from);
+      }
+    }
+    for (std::string_view rest = trimmed(sheet); !rest.empty(); rest = trimmed(rest)) {
+      if (rest.starts_with("@import")) fail("style", kOtherFile);
+      const std::size_t open = rest.find_first_of(rest.starts_with('@') ? "{;" : "{");
+      if (open == std::string_view::npos) return;
+      if (rest[open] == ';') {  // @charset and @namespace
+        rest.remove_prefix(open + 1);
+        continue;
+      }
+      const std::string_view head = trimmed(rest.substr(0, open));
+      std::size_t end = open + 1;
+      for (int depth = 1; end < rest.size(); ++end) {
+        depth += rest[end] == '{' ? 1 : rest[end] == '}' ? -1 : 0;
+        if (depth == 0) break;
+      }
+      take_block(head, rest.substr(open + 1, end - open - 1));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  void take_block(std::string_view head, std::string_view block) {
+    if (head.starts_with("@media print") || head.starts_with("@font-face") || head.starts_with("@page")) return;
+    if (head.starts_with('@')) {  // Rules that hold under a condition.
+      const std::string_view inner = block.substr(std::min(block.find('{') + 1, block.size()));
+      if (!declarations_of(inner.substr(0, inner.find('}'))).empty())
+        fail("style", fmt::format("the style sheet paints under the condition \"{}\", which is not read; save the "
+                                  "drawing with inline styles",
+                                  head.substr(0, 40)));
+      return;
+    }
+    const Declarations declarations = declarations_of(block);
+    if (declarations.empty()) return;
+    for (std::string_view rest = head;;) {
+      const std::size_t comma = rest.find(',');
+      rules_.push_back(rule_of(trimmed(rest.substr(0, comma)), declarations));
+      if (comma == std::string_view::npos) return;
+      rest.remove_prefix(comma + 1);
+    }
+  }
+
+  // Writes what the sheet says before the style of each element, which counts more; what is marked as important behind
+  // it (CSS Cascading 3, 6).
+  void write_inline(ptree& parent) const {
+    for (auto& [tag, element] : parent) {
+      if (tag == "<xmlattr>" || tag == "<xmlcomment>") continue;
+      std::vector<const Rule*> matching;
+      for (const Rule& rule : rules_)
+        if (matches(rule, local_name(tag), element)) matching.push_back(&rule);
+      std::ranges::stable_sort(matching, {}, &Rule::specificity);
+      if (!matching.empty()) {
+        std::string before, behind;
+        for (const Rule* rule : matching)
+          for (const auto& [key, text] : rule->declarations)
+            (text.find("!important") == std::string::npos ? before : behind) += text + ";";
+        element.put(ptree::path_type("<xmlattr>|style", '|'), before + attribute(element, "style") + ";" + behind);
+      }
+      write_inline(element);
+    }
+  }
+  static bool matches(const Rule& rule, const std::string& name, const ptree& element) {
+    const std::string classes = " " + attribute(element, "class") + " ";
+    return (rule.element.empty() || rule.element == name) && (rule.id.empty() || rule.id == attribute(element, "id")) &&
+           std::ranges::all_of(rule.classes,
+                               [&](const std::string& c) { return classes.find(" " + c + " ") != std::string::npos; });
   }
 
   void refuse_cut(const std::string& where, const ptree& element, const Eigen::Affine2d& place) const {
@@ -213,10 +331,10 @@ class SvgReader {
            top + number(rect->second, "height", "rect", {}) >= *y + *h;
   }
 
-  // What paints a shape, as groups hand it down (SVG 2, 13): fill, stroke, and the opacity of each.
-  using Paint = std::array<std::string, 4>;
+  // What paints a shape, as groups hand it down (SVG 2, 13): fill, stroke, the opacity of each, and visibility.
+  using Paint = std::array<std::string, 5>;
   static Paint paint_of(const ptree& element, Paint paint) {
-    constexpr std::array<const char*, 4> kNames{"fill", "stroke", "fill-opacity", "stroke-opacity"};
+    constexpr std::array<const char*, 5> kNames{"fill", "stroke", "fill-opacity", "stroke-opacity", "visibility"};
     for (std::size_t k = 0; k < paint.size(); ++k) {
       const std::string own = property(element, kNames[k]);
       if (!own.empty() && own != "inherit") paint[k] = own;
@@ -224,11 +342,11 @@ class SvgReader {
     return paint;
   }
   // Both must be switched off by name: many draw outlines without a stroke's colour.
-  [[nodiscard]] bool is_painted(const Paint& paint) const {
+  static bool is_painted(const Paint& paint) {
     const auto is_off = [&](std::size_t k) {
       return paint[k] == "none" || paint[k] == "transparent" || is_zero(paint[k + 2]);
     };
-    return paints_by_sheet_ || !is_off(0) || !is_off(1);
+    return (!is_off(0) || !is_off(1)) && paint[4] != "hidden" && paint[4] != "collapse";
   }
 
   // A length in mm; nothing for one in per cent or without a number.
@@ -248,18 +366,27 @@ class SvgReader {
     fail("svg", fmt::format("\"{}\" is no length that is known; give mm", text.substr(0, 30)));
   }
 
+  static bool is_pixels(const std::string& length) {
+    return length.ends_with("px") || (!length.empty() && std::isdigit(static_cast<unsigned char>(length.back())) != 0);
+  }
+
   // User units to mm, y up: the drawing's height falls to y = 0.
-  [[nodiscard]] Eigen::Affine2d to_mm(const ptree& svg) const {
+  [[nodiscard]] Eigen::Affine2d to_mm(const ptree& svg) {
     const auto width = length_mm(attribute(svg, "width")), height = length_mm(attribute(svg, "height"));
     Eigen::Affine2d place = Eigen::Affine2d::Identity();
     const std::string view_box = attribute(svg, "viewBox");
     Numbers box(view_box);
     const auto x = box.number(), y = box.number(), w = box.number(), h = box.number();
-    if (x && y && w && h && *w > 0.0 && *h > 0.0) {
+    const bool has_box = x && y && w && h && *w > 0.0 && *h > 0.0;
+    if (unit_mm_) {
+      place.scale(*unit_mm_ * Vec2(1.0, -1.0));
+      if (has_box) place.translate(Vec2(-*x, -*y - *h));
+    } else if (has_box) {
       if (!width && !height)
         fail("svg",
              "does not say how large it is; give it width and height in mm, width=\"150mm\" say, beside its "
-             "viewBox");
+             "viewBox; or pass --unit");
+      is_in_pixels_ = is_pixels(attribute(svg, width ? "width" : "height"));
       const double across = width ? *width / *w : *height / *h, up = height ? *height / *h : across;
       const std::string fit = attribute(svg, "preserveAspectRatio");
       if (fit.find("slice") != std::string::npos && std::abs(across - up) > 1e-9 * across)
@@ -273,6 +400,7 @@ class SvgReader {
         place.scale(std::min(across, up) * Vec2(1.0, -1.0));
       place.translate(Vec2(-*x, -*y - *h));
     } else {
+      is_in_pixels_ = true;
       place.scale(Vec2(kPx_mm, -kPx_mm));
       if (height) place.translate(Vec2(0.0, -*height / kPx_mm));
     }
@@ -326,9 +454,7 @@ class SvgReader {
   }
 
   static bool is_displayed(const ptree& element) {
-    const std::string visibility = property(element, "visibility");
-    return !is_zero(property(element, "opacity")) && property(element, "display") != "none" && visibility != "hidden" &&
-           visibility != "collapse";
+    return !is_zero(property(element, "opacity")) && property(element, "display") != "none";
   }
 
   void children(const ptree& parent, const Eigen::Affine2d& place, const Paint& inherited, int depth) {
@@ -363,7 +489,7 @@ class SvgReader {
     const std::string unit(end, text.data() + text.size());
     if (error != std::errc{} || unit == "%")
       fail(where, fmt::format("{}=\"{}\" is no number", key, text.substr(0, 20)));
-    return unit.empty() || unit == "px" ? value : *length_mm(text) / kPx_mm;
+    return unit.empty() || unit == "px" ? value : *length_mm(text) / unit_mm_.value_or(kPx_mm);
   }
 
   void rectangle(const ptree& e, const Eigen::Affine2d& place) {
@@ -524,13 +650,15 @@ class SvgReader {
   Eigen::Affine2d page_ = Eigen::Affine2d::Identity();
   std::string view_box_;
   std::map<std::string, const ptree*> clips_;  // by the reference to them: url(#id)
-  bool paints_by_sheet_ = false;
+  std::vector<Rule> rules_;
+  std::optional<double> unit_mm_;
+  bool is_in_pixels_ = false;
 };
 
 }  // namespace
 
-Polygon polygon_of_svg(const std::string& text, const std::string& name) {
-  return SvgReader(text, name).read();
+Drawing outline_of_svg(const std::string& text, const std::string& name, std::optional<double> unit_mm) {
+  return SvgReader(text, name, unit_mm).read();
 }
 
 }  // namespace triskin::placement

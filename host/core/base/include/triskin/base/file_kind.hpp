@@ -17,6 +17,7 @@ enum class FileUse : std::uint8_t {
   kDrawing,     ///< plane curves in a format that is not read
   kPacked,      ///< an archive or compressed file; `remedy` says how to unpack it
   kRecording,   ///< MCAP: `triskin replay`
+  kCloud,       ///< points in space without triangles
   kLog,         ///< recordings of other programs
   kDesign,      ///< a design file of triskin
   kRobot,       ///< URDF
@@ -43,8 +44,9 @@ struct FileKind {
 
 /// "a FreeCAD document; export the part as STEP, or as a mesh (STL, OBJ, 3MF)": what a file is, and the next step for
 /// somebody who gave it where a part, an outline, a recording, a design, a URDF (`kRobot`) or firmware was asked for.
-/// Empty for a file that file_kind() does not know and for one of the use that was asked for.
-[[nodiscard]] std::string not_asked_for(std::string_view bytes, FileUse asked_for);
+/// Where the contents say nothing, the ending of its `name` does. Empty for a file that neither tells, and for one of
+/// the use that was asked for.
+[[nodiscard]] std::string not_asked_for(std::string_view bytes, FileUse asked_for, std::string_view name = {});
 
 /// The names in a zip archive, in the order of its table of contents; empty if it has none that can be read.
 [[nodiscard]] std::vector<std::string> names_in_zip(std::string_view bytes);

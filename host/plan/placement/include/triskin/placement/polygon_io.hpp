@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,17 @@ namespace triskin::placement {
 /// Reads the same from text; messages use `name` in place of the file. Errors: InputError as read_polygon.
 [[nodiscard]] Polygon parse_polygon(const std::string& text, const std::string& name);
 
+struct Outlines {
+  std::vector<Polygon> polygons;
+  std::string remark;  ///< what a person has to know, as that a drawing names no unit; else empty
+};
 /// Reads the outlines of the pieces of a net as `triskin unfold` writes it (docs/unfolding.md), in its order; a file
-/// with one polygon gives that polygon. Errors: InputError as read_polygon, and for a net without pieces.
-[[nodiscard]] std::vector<Polygon> read_polygons(const std::filesystem::path& path);
+/// with one polygon, or a drawing in DXF or SVG, gives that polygon. `unit_mm`: that of the numbers, whatever the file
+/// says. Errors: InputError as read_polygon, for a net without pieces or with `unit_mm`, and for degrees of a map.
+[[nodiscard]] Outlines read_polygons(const std::filesystem::path& path, std::optional<double> unit_mm = std::nullopt);
 /// Reads the same from text; messages use `name` in place of the file. Errors: InputError as read_polygons.
-[[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
+[[nodiscard]] Outlines parse_polygons(const std::string& text, const std::string& name,
+                                      std::optional<double> unit_mm = std::nullopt);
 
 /// Returns true if two edges of the polygon cross in their interiors, decided exactly. Unlike the readers it does not
 /// excuse edges that cross by no more than 1e-9 mm as touching. Cost: O(n log n) typical.
