@@ -1,5 +1,5 @@
 # Everything the build cannot do without is looked for here, so that all that is missing is named at once, with the command that installs it.
-# What is optional (Cairo, HDF5, Cyclone DDS, pybind11, OpenCASCADE) is looked for by the part that uses it.
+# What is optional (Cairo, HDF5, Fast DDS, pybind11, OpenCASCADE) is looked for by the part that uses it.
 set(triskin_missing "")
 # triskin_need(DEBIAN_PACKAGE NAME [arguments of find_package]...)
 macro(triskin_need package name)
@@ -33,6 +33,7 @@ if(NOT CMAKE_CROSSCOMPILING)
     triskin_need(libassimp-dev assimp)
     triskin_need_module(libminizip-dev Minizip minizip)
     triskin_need(libexpat1-dev EXPAT)
+    triskin_need_module(libseccomp-dev Seccomp libseccomp)
   endif()
 endif()
 set(triskin_missing_for_tests "")

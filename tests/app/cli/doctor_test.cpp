@@ -61,12 +61,12 @@ class Doctor : public ShellCase {
   void SetUp() override {
     ShellCase::SetUp();
     ::unsetenv("ROS_DOMAIN_ID");
-    ::unsetenv("CYCLONEDDS_URI");
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
     make_healthy();
   }
   void TearDown() override {
     ::unsetenv("ROS_DOMAIN_ID");
-    ::unsetenv("CYCLONEDDS_URI");
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
     ShellCase::TearDown();
   }
 
@@ -218,9 +218,9 @@ TEST_F(Doctor, twelve_troubles_are_named_each_with_its_command) {
   ::setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "HOST", 1);
   expect_mended_by_its_command("ROS discovery", "unset ROS_LOCALHOST_ONLY");
   ::unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  ::setenv("CYCLONEDDS_URI", "file:///etc/none.xml", 1);
-  expect_mended_by_its_command("DDS configuration", "unset CYCLONEDDS_URI");
-  ::unsetenv("CYCLONEDDS_URI");
+  ::setenv("FASTRTPS_DEFAULT_PROFILES_FILE", "/etc/none.xml", 1);
+  expect_mended_by_its_command("DDS configuration", "unset FASTRTPS_DEFAULT_PROFILES_FILE");
+  ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
   EXPECT_TRUE(troubles(0).empty());
 }
 

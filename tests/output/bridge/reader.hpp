@@ -7,20 +7,30 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "triskin/bridge/dds.hpp"
+
 namespace triskin::bridge {
 
-/// Returns a domain that only this process uses, on the loopback interface.
+/// Returns a domain that only this process and its children use. Readers of Cyclone DDS and the command stay on the
+/// loopback interface.
 inline std::uint32_t test_domain() {
+  ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
   ::setenv("CYCLONEDDS_URI",
            "<General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
            "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers>"
            "</Discovery>",
            1);
   return 20 + static_cast<std::uint32_t>(::getpid()) % 180;
+}
+
+/// Joins a domain on the loopback interface.
+inline std::unique_ptr<Domain> join_loopback(std::uint32_t id, const RosNode& node = {}) {
+  return join_domain(id, {.range = DiscoveryRange::kLoopback, .peers = {}, .words = ""}, node);
 }
 
 /// Waits at most half a minute for `done`; returns false if it did not become true.
@@ -47,8 +57,10 @@ inline std::string user_data_of(dds_builtintopic_endpoint_t* endpoint) {
 template <class Type>
 class Reader {
  public:
-  Reader(dds_entity_t participant, const dds_topic_descriptor_t& type, const char* topic, bool reliable, bool latched) {
+  Reader(dds_entity_t participant, const dds_topic_descriptor_t& type, const char* topic, bool reliable, bool latched,
+         const std::string& user_data = "") {
     dds_qos_t* qos = dds_create_qos();
+    if (!user_data.empty()) dds_qset_userdata(qos, user_data.data(), user_data.size());
     dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_SECS(1));
     dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "app/library/flashed_sim.hpp"
-#include "reader.hpp"
+#include "cyclone_client.hpp"
 #include "skin.h"
 #include "support/child_process.hpp"
 #include "support/places.hpp"
@@ -15,60 +15,6 @@
 
 namespace triskin::bridge {
 namespace {
-
-// Acts as a client of rmw_cyclonedds.
-template <class Request, class Answer>
-class Client {
- public:
-  Client(dds_entity_t participant, const std::string& service, const dds_topic_descriptor_t& request,
-         const dds_topic_descriptor_t& answer)
-      : answers_(participant, answer, ("rr" + service + "Reply").c_str(), true, false) {
-    dds_qos_t* qos = dds_create_qos();
-    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
-    const std::string topic = "rq" + service + "Request";
-    writer_ = dds_create_writer(participant, dds_create_topic(participant, &request, topic.c_str(), nullptr, nullptr),
-                                qos, nullptr);
-    dds_delete_qos(qos);
-    EXPECT_GT(writer_, 0);
-    dds_get_instance_handle(writer_, &me_);
-  }
-  [[nodiscard]] bool matched() const {
-    dds_publication_matched_status_t status{};
-    return answers_.matched() && dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK &&
-           status.current_count > 0;
-  }
-  void send(Request request) {
-    request.client = me_;
-    request.number = ++number_;
-    EXPECT_EQ(dds_write(writer_, &request), DDS_RETCODE_OK);
-  }
-  // Passes answers to the latest request to `handler` and counts the others.
-  bool wait(const std::function<void(const Answer&)>& handler) {
-    bool came = false;
-    return wait_until([&] {
-      answers_.take([&](const Answer& a) {
-        came = a.client == me_ && a.number == number_;
-        came ? handler(a) : static_cast<void>(++foreign);
-      });
-      return came;
-    });
-  }
-  // Returns the user data of the server's reader.
-  [[nodiscard]] std::string server_id() const {
-    dds_instance_handle_t reader = 0;
-    if (dds_get_matched_subscriptions(writer_, &reader, 1) != 1) return "no reader";
-    return user_data_of(dds_get_matched_subscription_data(writer_, reader));
-  }
-  [[nodiscard]] const Reader<Answer>& answers() const { return answers_; }
-  int foreign = 0;
-
- private:
-  Reader<Answer> answers_;
-  dds_entity_t writer_ = 0;
-  dds_instance_handle_t me_ = 0;
-  std::int64_t number_ = 100;
-};
 
 using TareClient = Client<triskin_msgs_srv_dds__Tare_Request_, triskin_msgs_srv_dds__Tare_Response_>;
 using RerouteClient = Client<triskin_msgs_srv_dds__Reroute_Request_, triskin_msgs_srv_dds__Reroute_Response_>;
@@ -95,9 +41,9 @@ class ServicesTest : public testing::Test {
 };
 
 TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service) {
-  const auto domain = join_domain(domain_id_);
-  Service<Reroute> service(*domain, "arm");
-  const Service<Tare> other(*domain, "arm");
+  const auto domain = join_loopback(domain_id_);
+  Service<Reroute> service(*domain, "skin/arm");
+  const Service<Tare> other(*domain, "skin/arm");
   RerouteClient client = reroute_client(participant_);
   RerouteClient second = reroute_client(participant_);
   ASSERT_TRUE(wait_until([&] { return client.matched() && second.matched(); }));
@@ -149,6 +95,8 @@ class Stranger {
     dds_qos_t* qos = dds_create_qos();
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
+    const std::string id = "clientid=0f.1;";
+    dds_qset_userdata(qos, id.data(), id.size());
     writer_ = dds_create_writer(participant,
                                 dds_create_topic(participant, &type, "rq/skin/arm/rerouteRequest", nullptr, nullptr),
                                 qos, nullptr);
@@ -174,8 +122,8 @@ class Stranger {
 // A request has 20 bytes behind the head of its encoding. Shorter ones are malformed, and none can be longer than 64
 // KiB.
 TEST_F(ServicesTest, malformed_and_oversized_requests_are_dropped_and_the_next_is_served) {
-  const auto domain = join_domain(domain_id_);
-  Service<Reroute> service(*domain, "arm");
+  const auto domain = join_loopback(domain_id_);
+  Service<Reroute> service(*domain, "skin/arm");
   const dds_entity_t other = dds_create_participant(domain_id_, nullptr, nullptr);
   const Stranger stranger(other);
   RerouteClient client = reroute_client(participant_);

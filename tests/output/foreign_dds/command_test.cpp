@@ -12,7 +12,9 @@
 #include "app/library/flashed_sim.hpp"
 #include "fast_reader.hpp"
 #include "fast_types.hpp"
+#include "output/bridge/reader.hpp"
 #include "settings.hpp"
+#include "skin.h"
 #include "support/child_process.hpp"
 #include "support/places.hpp"
 #include "support/strip_design.hpp"
@@ -42,8 +44,8 @@ TEST(BridgeCommand, a_reader_on_Fast_DDS_counts_what_the_command_says) {
   const test::FlashedSim sim;
   const ServedSimulation served(pressed_scene(sim));
   ASSERT_NE(served.link(), "");
-  const std::uint32_t id = domain_with(kOnePercentLost);
-  Participant participant(id);
+  const std::uint32_t id = domain_with();
+  Participant participant(id, 0.01);
   FastReader<RawFrame> raw(participant, "rt/skin/arm/raw", "triskin_msgs::msg::dds_::RawFrame_", true, false);
   FastReader<PointCloud2> points(participant, "rt/skin/arm/points", "sensor_msgs::msg::dds_::PointCloud2_", true,
                                  false);
@@ -99,36 +101,38 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   // Cyclone DDS writes the packets that it sends and receives to a file, so that no rights to capture are needed.
   const std::string packets = sim.folder() / "rtps.pcap";
   const std::uint32_t id = domain_with("<Tracing><PacketCaptureFile>" + packets + "</PacketCaptureFile></Tracing>");
-  Participant participant(id);  // Without a listener nothing is sent.
-  FastReader<RawFrame> raw(participant, "rt/skin/arm/raw", bridge::dds_name(bridge::kRaw.message.name), true, false);
-  FastReader<PointCloud2> points(participant, "rt/skin/arm/points", bridge::dds_name(bridge::kPoints.message.name),
-                                 true, false);
-  FastReader<SkinLayout> layout(participant, "rt/skin/arm/layout", bridge::dds_name(bridge::kLayout.message.name), true,
-                                true);
+  const dds_entity_t participant = dds_create_participant(id, nullptr, nullptr);  // Without a listener nothing is sent.
+  bridge::Reader<triskin_msgs_msg_dds__RawFrame_> raw(participant, triskin_msgs_msg_dds__RawFrame__desc,
+                                                      "rt/skin/arm/raw", true, false);
+  bridge::Reader<sensor_msgs_msg_dds__PointCloud2_> points(participant, sensor_msgs_msg_dds__PointCloud2__desc,
+                                                           "rt/skin/arm/points", true, false);
+  bridge::Reader<triskin_msgs_msg_dds__SkinLayout_> layout(participant, triskin_msgs_msg_dds__SkinLayout__desc,
+                                                           "rt/skin/arm/layout", true, true);
   Child command(bridge_line(sim.design_file(), served.link(), id, 3));
   const json told = json::parse(command.read_all());
+  const auto no_message = [](const auto& /*message*/) {};
+  const std::size_t raw_came = raw.take(no_message), points_came = points.take(no_message),
+                    layout_came = layout.take(no_message);
+  (void)dds_delete(participant);  // closes the file
   const std::string script =
       "python3 '" + test::source_folder() + "/tests/output/foreign_dds/dissect.py' '" + packets + "'";
   const json topics = json::parse(Child(script).read_all());
-  const auto no_message = [](const auto& /*message*/, std::uint64_t /*sequence*/) {};
-  // docs/bridge.md gives type, latched, messages that are kept, messages that were sent to the reader.
-  using Wanted = std::tuple<const bridge::RosType*, bool, int, std::size_t>;
-  const std::map<std::string, Wanted> wanted{
-      {"rt/skin/arm/raw", {&bridge::kRaw, false, 2000, raw.take(no_message)}},
-      {"rt/skin/arm/points", {&bridge::kPoints, false, 10, points.take(no_message)}},
-      {"rt/skin/arm/layout", {&bridge::kLayout, true, 1, layout.take(no_message)}},
-      {"rt/skin/arm/contacts", {&bridge::kContacts, false, 10, 0}},
-      {"rt/diagnostics", {&bridge::kDiagnostics, false, 10, 0}},
-      {"rt/tf_static", {&bridge::kTransforms, true, 1, 0}}};
+  // docs/bridge.md gives type, latched, messages that were sent to the reader. Fast DDS does not say how many it keeps.
+  using Wanted = std::tuple<const bridge::RosType*, bool, std::size_t>;
+  const std::map<std::string, Wanted> wanted{{"rt/skin/arm/raw", {&bridge::kRaw, false, raw_came}},
+                                             {"rt/skin/arm/points", {&bridge::kPoints, false, points_came}},
+                                             {"rt/skin/arm/layout", {&bridge::kLayout, true, layout_came}},
+                                             {"rt/skin/arm/contacts", {&bridge::kContacts, false, 0}},
+                                             {"rt/diagnostics", {&bridge::kDiagnostics, false, 0}},
+                                             {"rt/tf_static", {&bridge::kTransforms, true, 0}}};
   for (const auto& [name, facts] : wanted) {
     SCOPED_TRACE(name);
     ASSERT_TRUE(topics.contains(name)) << topics;
-    const auto& [type, latched, depth, messages] = facts;
+    const auto& [type, latched, messages] = facts;
     EXPECT_EQ(topics[name]["type"], bridge::dds_name(type->message.name));
     EXPECT_EQ(topics[name]["user_data"], "typehash=" + std::string(type->hash) + ";");
     EXPECT_EQ(topics[name]["reliable"], true);
     EXPECT_EQ(topics[name]["latched"], latched);
-    EXPECT_EQ(topics[name]["depth"], depth);
     EXPECT_EQ(topics[name]["messages"], messages);
   }
   EXPECT_GT(topics["rt/skin/arm/raw"]["messages"], 20);

@@ -34,8 +34,7 @@ for rtps in tree.fromstring(packets.stdout).iter("proto"):
                 "user_data": bytes.fromhex(first(submessage, "rtps.param.userData", "value") or "").decode(),
                 # A writer that states nothing is reliable and volatile by the defaults of RTPS.
                 "reliable": int(first(submessage, "rtps.reliability_kind") or "2", 16) == 2,
-                "latched": int(first(submessage, "rtps.durability") or "0", 16) == 1,
-                "depth": int(first(submessage, "rtps.history_depth") or "1")}
+                "latched": int(first(submessage, "rtps.durability") or "0", 16) == 1}
         else:
             numbers = writers.setdefault(f"{sender}{writer:08x}", set())
             numbers.add(int(first(submessage, "rtps.sm.seqNumber")))

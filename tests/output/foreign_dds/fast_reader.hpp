@@ -2,10 +2,15 @@
 #pragma once
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <fastdds/dds/core/policy/QosPolicies.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -19,6 +24,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <string>
 
 /// Reads with Fast DDS and its own CDR. Types are structures with a function read(Cdr&).
@@ -63,16 +69,59 @@ struct Announced {
   bool reliable = false, latched = false;
 };
 
-/// Takes part on the loopback interface alone, without multicast.
+/// Loses this part of all packets that come, always the same ones of a sequence.
+class LossyTransport final : public eprosima::fastdds::rtps::ChainingTransport {
+ public:
+  LossyTransport(const eprosima::fastdds::rtps::ChainingTransportDescriptor& settings, double lost)
+      : ChainingTransport(settings), low_(settings.low_level_descriptor), is_lost_(lost) {}
+  [[nodiscard]] eprosima::fastdds::rtps::TransportDescriptorInterface* get_configuration() override {
+    return low_.get();
+  }
+  bool send(rtps::SenderResource* low, const rtps::octet* data, std::uint32_t size, rtps::LocatorsIterator* first,
+            rtps::LocatorsIterator* last, const std::chrono::steady_clock::time_point& until) override {
+    return low->send(data, size, first, last, until);
+  }
+  void receive(eprosima::fastdds::rtps::TransportReceiverInterface* next, const rtps::octet* data, std::uint32_t size,
+               const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    const std::unique_lock lock(mutex_);
+    if (is_lost_(random_)) return;
+    next->OnDataReceived(data, size, local, remote);
+  }
+
+ private:
+  std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_;
+  std::mutex mutex_;
+  std::bernoulli_distribution is_lost_;
+  std::mt19937 random_{7};
+};
+struct LossyDescriptor final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
+  LossyDescriptor(const std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>& low, double part)
+      : ChainingTransportDescriptor(low), lost(part) {}
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
+    return new LossyTransport(*this, lost);
+  }
+  double lost;
+};
+
+/// Takes part on the loopback interface alone, without multicast. `lost` is the part of packets that never arrive here.
 class Participant : public dds::DomainParticipantListener {
  public:
-  explicit Participant(std::uint32_t domain) {
+  explicit Participant(std::uint32_t domain, double lost = 0.0) {
+    // Between two participants of one process Fast DDS would pass pointers, and nothing would be on the wire.
+    eprosima::fastrtps::LibrarySettingsAttributes library;
+    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
     const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList.emplace_back("127.0.0.1");
     udp->receiveBufferSize = 1 << 20;
     qos.transport().use_builtin_transports = false;
-    qos.transport().user_transports.push_back(udp);
+    if (lost > 0.0) {
+      std::printf("loses %g of the packets, seed 7\n", lost);
+      qos.transport().user_transports.push_back(std::make_shared<LossyDescriptor>(udp, lost));
+    } else {
+      qos.transport().user_transports.push_back(udp);
+    }
     for (std::uint32_t k = 0; k < 8; ++k) {  // RTPS defines the ports of the participants of this domain by this rule.
       rtps::Locator_t peer;
       rtps::IPLocator::setIPv4(peer, "127.0.0.1");
@@ -90,8 +139,12 @@ class Participant : public dds::DomainParticipantListener {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  void on_publisher_discovery(dds::DomainParticipant* /*who*/, rtps::WriterDiscoveryInfo&& info) override {
+  void on_publisher_discovery(dds::DomainParticipant* who, rtps::WriterDiscoveryInfo&& info) override {
     const std::lock_guard lock(mutex_);
+    if (info.info.guid().guidPrefix != who->guid().guidPrefix)
+      info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER
+          ? static_cast<void>(writers_.erase(info.info.guid()))
+          : static_cast<void>(writers_[info.info.guid()] = info.info.topicName().to_string());
     Announced& a = announced_[info.info.topicName().to_string()];
     a.type = info.info.typeName().to_string();
     const auto& bytes = info.info.m_qos.m_userData.getValue();
@@ -99,6 +152,16 @@ class Participant : public dds::DomainParticipantListener {
     a.reliable = info.info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS;
     a.latched = info.info.m_qos.m_durability.kind == dds::TRANSIENT_LOCAL_DURABILITY_QOS;
   }
+  void on_subscriber_discovery(dds::DomainParticipant* who, rtps::ReaderDiscoveryInfo&& info) override {
+    const std::lock_guard lock(mutex_);
+    if (info.info.guid().guidPrefix != who->guid().guidPrefix)
+      info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER
+          ? static_cast<void>(readers_.erase(info.info.guid()))
+          : static_cast<void>(readers_[info.info.guid()] = info.info.topicName().to_string());
+  }
+  /// Counts readers or writers of others on a topic, as rmw_fastrtps does to find out whether a service is there.
+  int readers_of(const std::string& topic) { return count(readers_, topic); }
+  int writers_of(const std::string& topic) { return count(writers_, topic); }
   Announced announced(const std::string& topic) {
     const std::lock_guard lock(mutex_);
     return announced_[topic];
@@ -110,7 +173,13 @@ class Participant : public dds::DomainParticipantListener {
   dds::DomainParticipant* me_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;
   std::mutex mutex_;
+  using Endpoints = std::map<rtps::GUID_t, std::string>;
+  int count(const Endpoints& endpoints, const std::string& topic) {
+    const std::lock_guard lock(mutex_);
+    return static_cast<int>(std::ranges::count_if(endpoints, [&](const auto& e) { return e.second == topic; }));
+  }
   std::map<std::string, Announced> announced_;
+  Endpoints readers_, writers_;
 };
 
 template <class Type>

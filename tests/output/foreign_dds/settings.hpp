@@ -6,25 +6,29 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 
+#include "triskin/bridge/dds.hpp"
+
 namespace triskin::foreign {
 
-/// Restricts Cyclone DDS to the loopback interface; `more` goes within <Internal> or <Tracing>.
-inline std::string cyclone_settings(const std::string& more = "") {
-  return "<General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
-         "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers>"
-         "</Discovery>" +
-         more;
-}
-/// Cyclone DDS then drops one packet in a hundred.
-inline const std::string kOnePercentLost = "<Internal><Test><XmitLossiness>10</XmitLossiness></Test></Internal>";
-
-/// Returns a domain of this process alone; Cyclone DDS in it uses cyclone_settings(more).
+/// Returns a domain of this process and its children alone, on the loopback interface; a participant of Cyclone DDS
+/// gets `more` within its settings.
 inline std::uint32_t domain_with(const std::string& more = "") {
-  ::setenv("CYCLONEDDS_URI", cyclone_settings(more).c_str(), 1);
+  const std::string settings =
+      "<General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
+      "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers>"
+      "</Discovery>" +
+      more;
+  ::setenv("CYCLONEDDS_URI", settings.c_str(), 1);
+  ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
   return 20 + static_cast<std::uint32_t>(::getpid()) % 180;
+}
+/// Joins it as the command does.
+inline std::unique_ptr<bridge::Domain> join_loopback(std::uint32_t id) {
+  return bridge::join_domain(id, {.range = bridge::DiscoveryRange::kLoopback, .peers = {}, .words = ""});
 }
 
 /// Waits at most `seconds` for `done`; returns false if it did not become true.

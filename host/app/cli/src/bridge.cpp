@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <deque>
@@ -11,15 +12,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bridge_services.hpp"
 #include "calibration_options.hpp"
 #include "contacts.hpp"
+#include "ros_arguments.hpp"
 #include "site_options.hpp"
 #include "stream_options.hpp"
 #include "triskin/base/counted.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/base/pace.hpp"
+#include "triskin/bridge/parameters.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -34,8 +39,125 @@ struct Options {
   std::vector<double> pose;  // The numbers are the position x, y, z in m, then a quaternion x, y, z, w.
   double contacts_hz = 10.0;
   double seconds = 0.0;
+  double stop_counts = 0.0, stop_kpa = 0.0;  // 0: no topic that says stop
   bool services = true;
+  bool use_sim_time = false;
+  bool ros_args = false;
   std::optional<std::uint32_t> domain;
+};
+
+// Takes -p NAME:=VALUE of the ROS arguments as the option of that name.
+void take_parameters(const std::map<std::string, bridge::ParameterValue>& parameters, Options& options) {
+  for (const auto& [name, value] : parameters) {
+    const auto refuse = [&, &key = name](const char* wanted) {
+      throw InputError(fmt::format("--ros-args -p {}: its value must be {}", key, wanted));
+    };
+    const auto as_bool = [&] {
+      if (!std::holds_alternative<bool>(value)) refuse("true or false");
+      return std::get<bool>(value);
+    };
+    const auto as_rate = [&] {
+      const auto* whole = std::get_if<std::int64_t>(&value);
+      if (whole == nullptr && !std::holds_alternative<double>(value)) refuse("a number");
+      const double hz = whole != nullptr ? static_cast<double>(*whole) : std::get<double>(value);
+      if (!(hz >= 0.0 && hz <= 100.0)) refuse("0 to 100");
+      return hz;
+    };
+    const auto as_text = [&] {
+      if (!std::holds_alternative<std::string>(value)) refuse("text");
+      return std::get<std::string>(value);
+    };
+    if (name == "use_sim_time") {
+      options.use_sim_time = as_bool();
+    } else if (name == "raw") {
+      options.bridge.raw = as_bool();
+    } else if (name == "markers") {
+      options.bridge.markers = as_bool();
+    } else if (name == "points_hz") {
+      options.bridge.points_hz = as_rate();
+    } else if (name == "contacts_hz") {
+      options.contacts_hz = as_rate();
+      if (options.contacts_hz < 0.5) refuse("0.5 to 100");
+    } else if (name == "frame_prefix") {
+      options.bridge.frame_prefix = as_text();
+    } else if (name == "parent") {
+      options.bridge.parent_frame = as_text();
+    } else {
+      throw InputError(
+          fmt::format("--ros-args -p {}: there is no such parameter; there are use_sim_time, raw, markers, points_hz, "
+                      "contacts_hz, frame_prefix and parent",
+                      name));
+    }
+  }
+}
+
+std::vector<bridge::Parameter> parameters_of(const Options& options) {
+  return {{"use_sim_time", options.use_sim_time, "times are those of /clock"},
+          {"raw", options.bridge.raw, "every sample is published"},
+          {"markers", options.bridge.markers, "triangles and arrows for viewers are published"},
+          {"points_hz", options.bridge.points_hz, "point clouds a second"},
+          {"contacts_hz", options.contacts_hz, "lists of contacts, wrenches and markers a second"},
+          {"frame_prefix", options.bridge.frame_prefix, "stands before the names of frames"},
+          {"parent", options.bridge.parent_frame, "frame of the link that carries the cover"}};
+}
+
+// The clock of a simulator, for use_sim_time.
+class RosClock {
+ public:
+  explicit RosClock(bridge::Domain& domain) : clock_(domain.subscribe("/clock", "rosgraph_msgs/msg/Clock")) {}
+  /// Reads what came; returns whether the clock was ever heard.
+  bool step(std::uint64_t now_ns) {
+    if (const auto message = clock_->take()) {
+      recording::CdrReader r(*message);
+      const auto seconds = static_cast<std::int32_t>(r.u32());
+      const std::uint32_t nanoseconds = r.u32();
+      if (r.ok()) {
+        offset_ns_ = std::int64_t{seconds} * 1'000'000'000 + nanoseconds - static_cast<std::int64_t>(now_ns);
+        heard_ = true;
+      }
+    }
+    return heard_;
+  }
+  [[nodiscard]] std::int64_t offset_ns() const { return offset_ns_; }
+
+ private:
+  std::unique_ptr<bridge::Subscriber> clock_;
+  std::int64_t offset_ns_ = 0;
+  bool heard_ = false;
+};
+
+// Says on a topic of its own whether somebody presses hard, at the sample that shows it and not at the next list of
+// contacts.
+class StopWatch {
+ public:
+  explicit StopWatch(const Options& options) : counts_(options.stop_counts), kpa_(options.stop_kpa) {}
+  [[nodiscard]] bool is_set() const { return counts_ > 0.0 || kpa_ > 0.0; }
+  // Returns whether the state is another than before.
+  bool add(const skin::LiveSample& s, std::uint64_t now_ns) {
+    if (!is_pressed(s)) return false;
+    until_ns_ = now_ns + kHold_ns;
+    if (stop_) return false;
+    max_latency_us_ = std::max(max_latency_us_, now_ns > s.unix_ns ? (now_ns - s.unix_ns) / 1000 : 0);
+    return stop_ = true;
+  }
+  void step(std::uint64_t now_ns) { stop_ = stop_ && now_ns < until_ns_; }
+  [[nodiscard]] bool stop() const { return stop_; }
+  // The longest time between a sample that said stop and its message.
+  [[nodiscard]] std::uint64_t max_latency_us() const { return max_latency_us_; }
+
+ private:
+  static constexpr std::uint64_t kHold_ns = 500'000'000;
+  [[nodiscard]] bool is_pressed(const skin::LiveSample& s) const {
+    for (std::size_t t = 0; t < s.change_counts.size(); ++t) {
+      if ((s.valid >> t & 1U) == 0) continue;
+      if (counts_ > 0.0 && s.change_counts[t] >= counts_) return true;
+      if (kpa_ > 0.0 && s.pressure_kpa && (*s.pressure_kpa)[t] >= kpa_) return true;
+    }
+    return false;
+  }
+  double counts_, kpa_;
+  bool stop_ = false;
+  std::uint64_t until_ns_ = 0, max_latency_us_ = 0;
 };
 
 // Returns the value of --domain, or else that of the environment. If CLI11 read the variable, it would refuse every
@@ -109,18 +231,27 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
 // Each cover has its own topics and contacts.
 class CoverFeed {
  public:
-  CoverFeed(skin::LiveCover& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
-            std::uint64_t now_ns)
+  CoverFeed(skin::LiveCover& cover, bridge::Domain& domain, const bridge::BridgeOptions& cover_options,
+            const Options& options, std::uint64_t now_ns)
       : cover_(cover),
-        part_(options.part),
-        bridge_(domain, cover.design(), with_unit(options, cover.calibration()), now_ns) {
-    if (services) services_.emplace(domain, part_, cover);
+        part_(cover_options.part),
+        bridge_(domain, cover.design(), with_unit(cover_options, cover.calibration()), now_ns),
+        stop_(options) {
+    if (options.stop_kpa > 0.0 && !cover.calibration().complete())
+      throw InputError("--stop-kpa needs a calibration of the cover; run triskin calibrate, or give --stop-counts");
+    if (options.services) services_.emplace(domain, "skin/" + part_, cover);
   }
 
-  void add(const skin::LiveSample& s) {
+  void set_clock_offset(std::int64_t offset_ns) { bridge_.set_clock_offset(offset_ns); }
+  void add(const skin::LiveSample& s, std::uint64_t now_ns) {
+    if (stop_.is_set() && stop_.add(s, now_ns)) bridge_.add_stop(true);
     bridge_.add({s.module, s.raw.link_time_us, s.raw.sample, s.unix_ns, s.error_us});
   }
   void slice(skin::LiveBus& bus, std::uint64_t now_ns) {
+    if (stop_.is_set()) {
+      stop_.step(now_ns);
+      bridge_.add_stop(stop_.stop());
+    }
     bridge_.add_contacts(contact_messages(cover_.touches(), cover_.design(), cover_.calibration()), now_ns);
     if (services_) services_->step(bus.bus());
   }
@@ -148,11 +279,13 @@ class CoverFeed {
     row["part"] = part_;
     row["other_publishers"] = others_;
     row["calibration"] = calibration_keys(cover_.calibration());
-    row["published"] = {{"raw", p.raw},
-                        {"samples", p.samples},
-                        {"points", p.points},
-                        {"contacts", p.contacts},
-                        {"diagnostics", p.diagnostics}};
+    row["published"] = {{"raw", p.raw},           {"samples", p.samples},   {"points", p.points},
+                        {"contacts", p.contacts}, {"wrenches", p.wrenches}, {"diagnostics", p.diagnostics}};
+    if (stop_.is_set()) {
+      row["stop"] = {{"messages", p.stops}, {"max_latency_us", stop_.max_latency_us()}};
+      output.say(fmt::format("{}stop: {}, said at most {:.1f} ms after the sample", prefix_of(cover),
+                             counted(p.stops, "message"), 1e-3 * static_cast<double>(stop_.max_latency_us())));
+    }
     output.say(fmt::format("/skin/{}: {} with {}, {}, {} of contacts", part_, counted(p.raw, "raw message"),
                            counted(p.samples, "sample"), counted(p.points, "point cloud"),
                            counted(p.contacts, "list")));
@@ -173,6 +306,7 @@ class CoverFeed {
   std::string part_;
   int others_ = 0;  // At most this many other programs published the part at the same time.
   bridge::Bridge bridge_;
+  StopWatch stop_;
   std::optional<CoverServices> services_;
   session::StreamReport report_;
 };
@@ -180,19 +314,24 @@ class CoverFeed {
 // Feeds the stream of one bus into the topics of its covers.
 class BusFeed {
  public:
-  BusFeed(const Options& options, skin::LiveBus& bus) : options_(options), bus_(bus) {}
+  // The bus that has `parameters` answers questions for them; the others have a null pointer.
+  BusFeed(const Options& options, skin::LiveBus& bus, bridge::ParameterServices* parameters)
+      : options_(options), bus_(bus), parameters_(parameters) {}
 
   void run(bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover, const Output& output) {
     bus_.find_controllers();
+    if (options_.use_sim_time) wait_for_clock(domain);
     const std::uint64_t start_us = bus_.now_us();
+    const auto offset_ns = static_cast<std::uint64_t>(clock_ ? clock_->offset_ns() : 0);
     for (skin::LiveCover& cover : bus_.covers()) {
       calibrate_cover(options_.calibration, bus_, cover, output);
       covers_.push_back(std::make_unique<CoverFeed>(cover, domain,
-                                                    by_cover[static_cast<std::size_t>(cover.config().cover)],
-                                                    options_.services, bus_.unix_ns(start_us)));
+                                                    by_cover[static_cast<std::size_t>(cover.config().cover)], options_,
+                                                    bus_.unix_ns(start_us) + offset_ns));
     }
+    step_clock();
     bus_.start(speaking(options_.stream),
-               [this](const skin::LiveSample& s) { covers_[static_cast<std::size_t>(s.cover)]->add(s); });
+               [this](const skin::LiveSample& s) { covers_[static_cast<std::size_t>(s.cover)]->add(s, now_ns()); });
     feed(start_us, output);
     bus_.finish();
     for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->end(bus_.report(c), now_ns(), output);
@@ -208,6 +347,22 @@ class BusFeed {
 
   [[nodiscard]] std::uint64_t now_ns() const { return bus_.unix_ns(bus_.now_us()); }
 
+  void wait_for_clock(bridge::Domain& domain) {
+    clock_.emplace(domain);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!clock_->step(now_ns())) {
+      if (interrupt_signal() > 0) return;
+      if (std::chrono::steady_clock::now() > end)
+        throw DeviceError("use_sim_time is true, but nobody published /clock within 10 s; start the simulator first");
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  void step_clock() {
+    if (!clock_) return;
+    (void)clock_->step(now_ns());
+    for (const auto& cover : covers_) cover->set_clock_offset(clock_->offset_ns());
+  }
+
   // Subscribers get the samples at the pace of the skin, even from a simulation that could be faster.
   void feed(std::uint64_t start_us, const Output& output) {
     constexpr std::uint64_t kPaced_us = 10'000;
@@ -219,6 +374,7 @@ class BusFeed {
     run.before_slice = [&] { run.slice_us = std::min(kPaced_us, next_us - bus_.now_us()); };
     run.after_slice = [&] {
       pace.hold(bus_.now_us());
+      step_clock();
       if (bus_.now_us() < next_us) return true;
       slice(output);
       next_us = bus_.now_us() + contacts_us;
@@ -229,6 +385,7 @@ class BusFeed {
 
   void slice(const Output& output) {
     for (const auto& cover : covers_) cover->slice(bus_, now_ns());
+    if (parameters_ != nullptr) parameters_->step();
     if (bus_.now_us() < diagnostics_us_) return;
     for (std::size_t c = 0; c < covers_.size(); ++c) covers_[c]->diagnose(bus_.report(c), now_ns(), output);
     diagnostics_us_ = bus_.now_us() + kDiagnostics_us;
@@ -236,6 +393,8 @@ class BusFeed {
 
   const Options& options_;
   skin::LiveBus& bus_;
+  bridge::ParameterServices* parameters_;
+  std::optional<RosClock> clock_;
   std::vector<std::unique_ptr<CoverFeed>> covers_;
   std::uint64_t diagnostics_us_ = 0;  // The next diagnostics are due at this time.
 };
@@ -274,19 +433,27 @@ void require_frame(const std::string& frame) {
                     frame.size() > 1 && frame.front() == '/' ? frame.substr(1) : "base_link"));
 }
 
-int run(const Options& options, Output& output) {
+int run(Options options, Output& output) {
+  const char* distribution = std::getenv("ROS_DISTRO");
+  const bridge::RosNode node = bridge::ros_node(ros_arguments(), distribution == nullptr ? "" : distribution);
+  take_parameters(node.parameters, options);
   require_frame(options.bridge.parent_frame);
+  if (!options.bridge.frame_prefix.empty()) require_frame(options.bridge.frame_prefix);
+  options.bridge.stop = options.stop_counts > 0.0 || options.stop_kpa > 0.0;
   output.expect_interrupt();
   robot::Site site = read_site(options.site);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
   const std::uint32_t domain_id = domain_of(options);
   const bridge::RosDiscovery discovery = bridge::ros_discovery(&std::getenv);
-  const auto domain = bridge::join_domain(domain_id, discovery);
+  const auto domain = bridge::join_domain(domain_id, discovery, node);
+  std::optional<bridge::ParameterServices> parameters;
+  if (options.services) parameters.emplace(*domain, parameters_of(options));
   skin::LiveSkin skin(std::move(site), options.site.link);
   open_links(skin, output);
   std::deque<BusFeed> feeds;
-  for (const auto& bus : skin.buses()) feeds.emplace_back(options, *bus);
-  output.say(fmt::format("publishing /skin/… in domain {}{}{}; end with Ctrl-C", domain_id,
+  for (const auto& bus : skin.buses())
+    feeds.emplace_back(options, *bus, feeds.empty() && parameters ? &*parameters : nullptr);
+  output.say(fmt::format("publishing {} in domain {}{}{}; end with Ctrl-C", node.resolve("skin/…"), domain_id,
                          discovery.words.empty() ? "" : " ", discovery.words));
   skin.on_each_bus([&](skin::LiveBus& bus) { feeds[bus.index()].run(*domain, by_cover, output); });
   nlohmann::json rows = nlohmann::json::array();
@@ -301,7 +468,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kBridge{{
     "bridge",
-    "publish the skin on DDS as ROS 2 has it: points, raw samples, contacts, layout, diagnostics, tf",
+    "publish the skin on DDS as ROS 2 has it: points, raw samples, contacts, wrench, layout, diagnostics, tf",
     "triskin bridge forearm.json --link can:can0 --points-hz 20",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
@@ -323,14 +490,24 @@ const Registration kBridge{{
                      "force of a contact by the sum of its counts, in place of a calibration of each taxel")
           ->check(CLI::PositiveNumber);
       app.add_flag("!--no-raw", options->bridge.raw, "without every sample of every module");
+      app.add_flag("!--no-markers", options->bridge.markers, "without triangles and arrows for viewers");
+      app.add_option("--stop-counts", options->stop_counts,
+                     "/skin/PART/stop is true while a taxel is this many counts below rest, and 0.5 s longer")
+          ->check(CLI::PositiveNumber);
+      app.add_option("--stop-kpa", options->stop_kpa, "the same by the pressure on a taxel; needs a calibration")
+          ->check(CLI::PositiveNumber);
       app.add_flag("!--no-services", options->services, "without the services to tare, reroute and identify");
       app.add_option("--parent", options->bridge.parent_frame, "frame of the link that carries the cover")
           ->capture_default_str();
+      app.add_option("--frame-prefix", options->bridge.frame_prefix,
+                     "stands before the frames, as that of robot_state_publisher (left/)");
       app.add_option("--pose", options->pose, "of the cover's mesh in it: x,y,z (m) and quaternion x,y,z,w")
           ->delimiter(',')
           ->expected(7);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
+      app.add_flag("--ros-args", options->ros_args,
+                   "what follows is for ROS 2: -r FROM:=TO, -r __ns:=/robot1, -p NAME:=VALUE");
       return [options](Output& output) { return run(*options, output); };
     },
     Group::kData,

@@ -34,8 +34,8 @@ void ask_each(session::Bus& bus, const design::Design& design, const std::vector
 
 namespace triskin::cli {
 
-CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, skin::LiveCover& cover)
-    : cover_(cover), tare_(domain, part), reroute_(domain, part), identify_(domain, part) {}
+CoverServices::CoverServices(bridge::Domain& domain, const std::string& base, skin::LiveCover& cover)
+    : cover_(cover), tare_(domain, base), reroute_(domain, base), identify_(domain, base) {}
 
 void CoverServices::step(session::Bus& bus) {
   step_tare(bus.now_us());

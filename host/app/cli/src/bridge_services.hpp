@@ -11,12 +11,12 @@
 
 namespace triskin::cli {
 
-/// Serves /skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. If a controller fails, the
+/// Serves skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. If a controller fails, the
 /// answer says so and the stream continues. Use it in the thread of the bus.
 class CoverServices {
  public:
-  /// `domain` and `cover` must outlive it. Throws DeviceError.
-  CoverServices(bridge::Domain& domain, const std::string& part, skin::LiveCover& cover);
+  /// `base` is "skin/PART". `domain` and `cover` must outlive it. Throws DeviceError.
+  CoverServices(bridge::Domain& domain, const std::string& base, skin::LiveCover& cover);
   /// Handles the requests since the last call and talks to controllers. Throws DeviceError when DDS fails.
   void step(session::Bus& bus);
 

@@ -100,7 +100,7 @@ Machine machine_of(const Options& options) {
   Machine machine;
   machine.program_version = TRISKIN_VERSION;
   machine.variable = variable;
-  machine.parts = {{"DDS", "cyclonedds-dev", bridge::dds_available()}, {"HDF5", "libhdf5-dev", hdf5::can_write()}};
+  machine.parts = {{"DDS", "libfastrtps-dev", bridge::dds_available()}, {"HDF5", "libhdf5-dev", hdf5::can_write()}};
   if (options.root.empty()) {
     ask_computer(machine);
   } else {

@@ -229,13 +229,20 @@ DoctorCheck discovery_check(const Machine& machine) {
   }
 }
 
+DoctorCheck sandbox_check(const Machine& machine) {
+  if (fs::exists(machine.root / "proc/sys/kernel/seccomp/actions_avail"))
+    return good("sandbox", "STEP, IGES and DAE files are read by a process that can neither write nor connect");
+  return {"sandbox", false, "this kernel has none (seccomp), so STEP, IGES and DAE files are read with your rights",
+          "read files of people you do not know on another computer", false};
+}
+
 DoctorCheck dds_file_check(const Machine& machine) {
-  const std::string uri = machine.variable("CYCLONEDDS_URI"), scheme = "file://";
-  const std::string path = uri.starts_with(scheme) ? uri.substr(scheme.size()) : "";
+  const std::string path = machine.variable("FASTRTPS_DEFAULT_PROFILES_FILE");
   if (path.empty() || fs::exists(machine.root / fs::path(path).relative_path()))
-    return good("DDS configuration", uri.empty() ? "by default" : uri);
-  return {"DDS configuration", false, fmt::format("CYCLONEDDS_URI names {}, which does not exist", path),
-          "unset CYCLONEDDS_URI"};
+    return good("DDS configuration", path.empty() ? "by default" : path);
+  return {"DDS configuration", false,
+          fmt::format("FASTRTPS_DEFAULT_PROFILES_FILE names {}, which does not exist", path),
+          "unset FASTRTPS_DEFAULT_PROFILES_FILE"};
 }
 
 }  // namespace
@@ -274,7 +281,8 @@ std::vector<DoctorCheck> check_boards(const Machine& machine) {
 }
 
 std::vector<DoctorCheck> check_surroundings(const Machine& machine) {
-  std::vector<DoctorCheck> checks{domain_check(machine), discovery_check(machine), dds_file_check(machine)};
+  std::vector<DoctorCheck> checks{domain_check(machine), discovery_check(machine), dds_file_check(machine),
+                                  sandbox_check(machine)};
   if (machine.has_program("xdg-open"))
     checks.push_back(good("browser", "xdg-open is there"));
   else

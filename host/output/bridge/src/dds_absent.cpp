@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Replaces dds_cyclone.cpp if Cyclone DDS was not installed when the program was built.
+// Replaces dds_fast.cpp if Fast DDS was not installed when the program was built.
 #include "triskin/base/error.hpp"
 #include "triskin/bridge/dds.hpp"
 
@@ -9,9 +9,9 @@ bool dds_available() {
   return false;
 }
 
-std::unique_ptr<Domain> join_domain(std::uint32_t /*id*/, const RosDiscovery& /*discovery*/) {
+std::unique_ptr<Domain> join_domain(std::uint32_t /*id*/, const RosDiscovery& /*discovery*/, const RosNode& /*node*/) {
   throw InputError(
-      "bridge: this program was built without DDS; install cyclonedds-dev, then configure and build it again");
+      "bridge: this program was built without DDS; install libfastrtps-dev, then configure and build it again");
 }
 
 }  // namespace triskin::bridge

@@ -36,7 +36,6 @@ std::string_view trimmed(std::string_view text) {
                                          : text.substr(first, text.find_last_not_of(' ') + 1 - first);
 }
 
-// The names and addresses are written into XML, so characters outside of these sets are refused.
 std::vector<std::string> peers_of(std::string_view list) {
   constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_:[]%";
   std::vector<std::string> peers;
@@ -69,37 +68,6 @@ std::string words_of(const RosDiscovery& d) {
   return peers.empty() ? "" : "on this network" + peers;
 }
 
-std::string peer_list(const RosDiscovery& d, bool with_localhost) {
-  std::string list = with_localhost ? "<Peer Address=\"localhost\"/>" : "";
-  for (const std::string& peer : d.peers) list += fmt::format("<Peer Address=\"{}\"/>", peer);
-  return list.empty() ? "" : "<Peers>" + list + "</Peers>";
-}
-
-// A participant with an index uses a predictable port, so peers without multicast can reach it.
-constexpr const char* kKnownPorts =
-    "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>";
-constexpr const char* kNoMulticast = "<General><AllowMulticast>false</AllowMulticast></General>";
-
-std::string domain_settings(const RosDiscovery& d, long process) {
-  switch (d.range) {
-    case DiscoveryRange::kLoopback:
-      return fmt::format(
-          "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>"
-          "<Discovery>{}{}</Discovery>",
-          kKnownPorts, peer_list(d, true));
-    case DiscoveryRange::kLocalhost:
-      return fmt::format("{}<Discovery>{}{}</Discovery>", kNoMulticast, kKnownPorts, peer_list(d, true));
-    case DiscoveryRange::kOff:
-      return fmt::format(
-          "{}<Discovery><ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{}</Tag></Discovery>",
-          kNoMulticast, process);
-    case DiscoveryRange::kSubnet:
-    case DiscoveryRange::kUnset:
-      break;
-  }
-  return d.peers.empty() ? "" : fmt::format("<Discovery>{}{}</Discovery>", kKnownPorts, peer_list(d, false));
-}
-
 }  // namespace
 
 RosDiscovery ros_discovery(const std::function<const char*(const char*)>& variable) {
@@ -117,11 +85,6 @@ RosDiscovery ros_discovery(const std::function<const char*(const char*)>& variab
   }
   discovery.words = words_of(discovery);
   return discovery;
-}
-
-std::string cyclone_configuration(const RosDiscovery& discovery, long process) {
-  const std::string settings = domain_settings(discovery, process);
-  return settings.empty() ? "" : "<CycloneDDS><Domain>" + settings + "</Domain></CycloneDDS>";
 }
 
 }  // namespace triskin::bridge

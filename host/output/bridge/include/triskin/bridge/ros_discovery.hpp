@@ -28,8 +28,4 @@ struct RosDiscovery {
 /// naming the variable, its value and the allowed values.
 [[nodiscard]] RosDiscovery ros_discovery(const std::function<const char*(const char*)>& variable);
 
-/// Writes the settings as a Cyclone DDS configuration (XML); a CYCLONEDDS_URI appended to it overrules it. `process`
-/// must be unique to this process, such as its number. The result is empty if there is nothing to configure.
-[[nodiscard]] std::string cyclone_configuration(const RosDiscovery& discovery, long process);
-
 }  // namespace triskin::bridge

@@ -19,7 +19,7 @@ struct RosType {
   const recording::MessageType& message;
   std::string_view hash;  ///< The hash is "RIHS01_" followed by 64 hexadecimal digits.
 };
-extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms;
+extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms, kWrench, kStop, kMarkers;
 /// Returns all types that the bridge publishes.
 [[nodiscard]] std::span<const RosType* const> all_types();
 /// Converts "sensor_msgs/msg/PointCloud2" to "sensor_msgs::msg::dds_::PointCloud2_".
@@ -40,5 +40,22 @@ struct Diagnosis {
 
 using recording::encode_transform;
 using recording::Pose;
+
+/// What contacts exert on a link, in its frame.
+struct Wrench {
+  std::array<double, 3> force_n{}, torque_nm{};  ///< about the origin of the frame
+};
+/// Sums the forces of contacts against their normals. `pose` is that of the cover's frame in the link's.
+[[nodiscard]] Wrench wrench_of(std::span<const recording::Contact> contacts, double newton_per_count, const Pose& pose);
+/// Encodes a geometry_msgs/msg/WrenchStamped. Throws nothing of its own.
+[[nodiscard]] std::vector<std::uint8_t> encode_wrench(const Wrench& wrench, std::uint64_t stamp_ns,
+                                                      std::string_view frame_id);
+
+/// Encodes a visualization_msgs/msg/MarkerArray: the modules as triangles, coloured by the sum of their change, and an
+/// arrow for each contact; of `arrows_before` arrows of the last message those that are too many are deleted.
+[[nodiscard]] std::vector<std::uint8_t> encode_markers(const design::Design& design,
+                                                       std::span<const recording::Contact> contacts,
+                                                       std::size_t arrows_before, std::uint64_t stamp_ns,
+                                                       std::string_view frame_id);
 
 }  // namespace triskin::bridge

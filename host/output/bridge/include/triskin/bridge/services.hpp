@@ -11,8 +11,7 @@
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/cdr.hpp"
 
-/// The definitions of these services are in host/output/bridge/ros/triskin_msgs/srv. On the wire a request and its
-/// answer begin with the client and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+/// The definitions of these services are in host/output/bridge/ros/triskin_msgs/srv.
 namespace triskin::bridge {
 
 /// Uses the present values of the taxels as rest values.
@@ -68,13 +67,7 @@ struct Identify {
   };
 };
 
-/// Identifies the request that an answer belongs to.
-struct RequestId {
-  std::uint64_t client = 0, number = 0;
-  bool operator==(const RequestId&) const = default;
-};
-
-/// Serves /skin/PART/TOPIC of `Type`, one of the services above. Threads: one.
+/// Serves BASE/TOPIC of `Type`, one of the services above or of parameters.hpp. Threads: one.
 template <class Type>
 class Service {
  public:
@@ -82,16 +75,15 @@ class Service {
     RequestId id;
     typename Type::Request request;
   };
-  /// Advertises the service. `domain` must outlive it. Throws DeviceError.
-  Service(Domain& domain, const std::string& part)
-      : server_(domain.serve("/skin/" + part + "/" + std::string(Type::kTopic), Type::kName)) {}
+  /// Advertises the service under `base`, such as "/skin/arm". `domain` must outlive it. Throws DeviceError.
+  Service(Domain& domain, const std::string& base)
+      : server_(domain.serve(base + "/" + std::string(Type::kTopic), Type::kName)) {}
   /// Removes and returns the oldest request; empty if there is none. Malformed requests are dropped. Throws
   /// DeviceError.
   std::optional<Asked> take() {
-    while (const auto bytes = server_->take()) {
-      recording::CdrReader r(*bytes);
-      Asked asked;
-      asked.id = {r.u64(), r.u64()};
+    while (const auto request = server_->take()) {
+      recording::CdrReader r(request->message);
+      Asked asked{request->id, {}};
       asked.request.read(r);
       if (r.ok()) return asked;
     }
@@ -100,10 +92,8 @@ class Service {
   /// Answers a request. Throws DeviceError.
   void answer(const RequestId& id, const typename Type::Answer& answer) {
     recording::CdrWriter w;
-    w.u64(id.client);
-    w.u64(id.number);
     answer.write(w);
-    server_->write(w.message());
+    server_->write(id, w.message());
   }
 
  private:
