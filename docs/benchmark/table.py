@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: CC0-1.0
-"""Writes the table of entries into README.md beside this file, between its marks.
+"""Writes the tables of entries into README.md beside this file, between their marks.
 Usage: table.py [--check]     --check: only says whether the table there is that of the entries"""
+import math
 import pathlib
 import re
 import sys
 
 HOME = pathlib.Path(__file__).parent
 MARKED = re.compile(r"(<!-- benchmark -->\n).*?(<!-- /benchmark -->)", re.S)
+COVERS_MARKED = re.compile(r"(<!-- covers -->\n).*?(<!-- /covers -->)", re.S)
+MODULE_MM2 = 15.0 * 15.0 * math.sqrt(3.0)
 
 
 def area_mm2(ring):
@@ -39,10 +42,37 @@ def table():
     return "\n".join(head + [row(entry) for entry in sorted((HOME / "entries").glob("*.txt"))]) + "\n"
 
 
+def triangle_mm2(a, b, c):
+    u, v = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)]
+    return 0.5 * math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+
+
+def cover_row(entry):
+    points, mm2, faces, fact = [], 0.0, 0, {}
+    for line in (HOME / "covers" / f"{entry.stem}.obj").read_text().splitlines():
+        key, *words = line.split()
+        if key == "v":
+            points.append(list(map(float, words)))
+        elif key == "f":
+            faces += 1
+            mm2 += triangle_mm2(*(points[int(w) - 1] for w in words))
+    for line in entry.read_text().splitlines():
+        key, _, rest = line.partition(" ")
+        fact["by" if line.startswith("# by ") else key] = line[5:] if line.startswith("# by ") else rest
+    by_area = int(mm2 / MODULE_MM2)
+    return f"| {entry.stem} | {mm2 / 100.0:.0f} | {faces} | {fact['modules']} | {by_area} | {100 * int(fact['modules']) / by_area:.0f} % | {fact['by']} |"
+
+
+def cover_table():
+    head = ["| cover | area, cm² | faces | modules | area / 3.897 cm² | share | by |", "|---|---|---|---|---|---|---|"]
+    return "\n".join(head + [cover_row(entry) for entry in sorted((HOME / "cover_entries").glob("*.txt"))]) + "\n"
+
+
 def main(check):
     page = HOME / "README.md"
     before = page.read_text()
     after = MARKED.sub(lambda found: found[1] + table() + found[2], before)
+    after = COVERS_MARKED.sub(lambda found: found[1] + cover_table() + found[2], after)
     if check:
         sys.exit(0 if before == after else "README.md: the table is not that of the entries; run table.py")
     page.write_text(after)
