@@ -7,7 +7,7 @@ import pathlib
 import sys
 
 SIDE_MM, SIDE_TOLERANCE_MM = 30.0, 1e-4
-MAX_DISTANCE_MM, MAX_OVERRUN_MM, MAX_OVERLAP_MM = 4.5, 0.55, 0.55
+MAX_DISTANCE_MM, MAX_OVERRUN_MM, MAX_OVERLAP_MM = 5.0, 0.55, 0.55
 MIN_COSINE, BACK_COSINE, MIN_BACK_MM = 0.5, -0.2, 20.0
 STEPS = 10  # the samples of a module divide its sides so often
 CELL_MM = 12.0
