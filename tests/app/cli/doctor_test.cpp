@@ -107,6 +107,7 @@ class Doctor : public ShellCase {
     write("sys/bus/usb/devices/1-2/devnum", "7\n");
     write("dev/bus/usb/001/007", "");
     write("usr/bin/xdg-open", "");
+    write("proc/sys/kernel/seccomp/actions_avail", "kill_process errno allow\n");
     write_interface(json::object());
     write_boards(version());
   }
@@ -246,6 +247,11 @@ TEST_F(Doctor, old_firmware_on_CAN_is_mended_with_the_image_of_the_packages) {
   expect_trouble("firmware of A0",
                  "triskin flash DESIGN --link can:can0 --firmware "
                  "/usr/share/triskin/firmware/triskin_firmware.tsf");
+}
+
+TEST_F(Doctor, a_kernel_without_a_sandbox_for_readers_is_named) {
+  fs::remove_all(folder_ / "root/proc");
+  EXPECT_THAT(run("doctor --root root").out, HasSubstr("are read with your rights"));
 }
 
 TEST_F(Doctor, a_silent_bus_and_a_computer_without_hardware_are_troubles) {

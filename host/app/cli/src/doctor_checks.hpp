@@ -50,7 +50,7 @@ struct Machine {
 [[nodiscard]] std::vector<DoctorCheck> check_interfaces(const Machine& machine);
 /// Checks each attached device: whether it may be opened, answers, and has the firmware of this program.
 [[nodiscard]] std::vector<DoctorCheck> check_boards(const Machine& machine);
-/// Checks the environment of DDS, the browser, and parts that this build left out.
+/// Checks the environment of DDS, the sandbox of readers, the browser, and parts that this build left out.
 [[nodiscard]] std::vector<DoctorCheck> check_surroundings(const Machine& machine);
 
 /// Runs all checks, in this order. Cost: a few reads of small files.

@@ -19,6 +19,7 @@
 #include "part_builder.hpp"
 #include "step_writer.hpp"
 #include "triskin/cad/part_stream.hpp"
+#include "triskin/cad/reader_sandbox.hpp"
 #include "triskin/cad/write_step.hpp"
 
 namespace {
@@ -80,6 +81,7 @@ int main(int count, char** arguments) {
   }
   const FrameWriter frames;
   Message::DefaultMessenger()->ChangePrinters().Clear();
+  (void)cad::enter_reader_sandbox();  // `triskin doctor` says where the kernel has none.
   try {
     frames.write(cad::FrameKind::kPart, answer(count, arguments, frames));
   } catch (const std::bad_alloc&) {

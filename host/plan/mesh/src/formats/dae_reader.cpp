@@ -17,6 +17,7 @@
 #include "collada_counts.hpp"
 #include "isolated.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cad/reader_sandbox.hpp"
 
 namespace triskin::mesh {
 namespace {
@@ -122,7 +123,11 @@ MeshInUnit read_dae(const MeshSource& source) {
   // A damaged count of elements makes the library reserve gigabytes.
   const IsolatedLimits limits{static_cast<unsigned>(1 + source.bytes.size() / 500'000),
                               kSpareMemory_bytes + kMemoryFactor * source.bytes.size()};
-  const auto answer = run_isolated([&] { return library_answer(source.bytes, unit_mm, source.objects); }, limits);
+  const auto read = [&] {
+    (void)cad::enter_reader_sandbox();  // `triskin doctor` says where the kernel has none.
+    return library_answer(source.bytes, unit_mm, source.objects);
+  };
+  const auto answer = run_isolated(read, limits);
   if (!answer || answer->empty()) throw damaged("the file is damaged");
   if (answer->front() == '!') throw damaged("its contents are not what the format says");
   if (source.bytes.find("<instance_controller") != std::string::npos)
