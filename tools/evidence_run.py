@@ -106,6 +106,8 @@ class Bench:
         for same in zip(*repeated):
             row = {}
             for key, value in same[0].items():
+                if key == "markdown":  # the same figures as text, for other pages
+                    continue
                 values = [r[key] for r in same]
                 numeric = all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values)
                 if numeric and is_timed(key) and key != "limit_s" and key != "answer_s":

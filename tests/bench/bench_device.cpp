@@ -148,8 +148,8 @@ json fixed_point(int readings, std::uint64_t seed) {
           {"ratio_to_double", fixed_s / std::max(real_s, 1e-9)}};
 }
 
-// A taxel of 10 counts a kPa is calibrated by `steps` pressures of 0 … 20 kPa with `samples` samples each; a sample has
-// noise of 3 counts, and each step a settling error of 2 counts, which no number of samples lowers. 2,000 draws.
+// A taxel of 10 counts a kPa is calibrated by `steps` pressures of 0 … 20 kPa with `samples` samples each. One has
+// noise of 3 counts, each step a settling error of 2 counts, which no number of samples lowers. 2,000 draws.
 json calibration(int steps, int samples, std::uint64_t seed) {
   constexpr double kTrue = -10.0, kNoise = 3.0, kSettling = 2.0;
   constexpr int kDraws = 2'000;

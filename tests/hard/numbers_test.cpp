@@ -174,8 +174,8 @@ TEST(HardNesting, an_island_as_large_as_the_sheet_allows) {
   EXPECT_THROW((void)fabrication::nest({rectangle(298.01, 398)}, {.tries = 1}), InputError);
 }
 
-// An answer that came at once leaves no doubt but that of stamps in whole microseconds, also at 2^62 µs, where a double
-// has steps of 1,024 µs.
+// An answer that came at once leaves no doubt but that of stamps in whole microseconds, also at 2^62 µs: doubles have
+// steps of 1,024 µs there.
 TEST(HardClock, an_answer_without_delay_and_stamps_of_2_to_62) {
   constexpr std::uint64_t kLate = std::uint64_t{1} << 62U;
   for (const std::uint64_t sent_us : {std::uint64_t{1'000'000}, std::uint64_t{1'795'912'463'436'872}, kLate}) {
