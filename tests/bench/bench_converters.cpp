@@ -22,6 +22,8 @@ const std::vector<Edge> kEdges{
     {"neg_step_ratio", &Ad7147Behaviour::neg_step_ratio, {0.7, 0.8, 1.2, 1.3}},
     {"step_bend", &Ad7147Behaviour::step_bend, {-0.3, -0.15, 0.15, 0.3}},
     {"step_unevenness", &Ad7147Behaviour::step_unevenness, {0.1, 0.2, 0.3}},
+    {"gain", &Ad7147Behaviour::gain, {0.5, 0.65, 1.35, 1.5}},
+    {"stage_memory", &Ad7147Behaviour::stage_memory, {0.01, 0.05, 0.2}},
     {"zero_counts", &Ad7147Behaviour::zero_counts, {-2000, 2000, 4000}},
     {"neg_extra_counts", &Ad7147Behaviour::neg_extra_counts, {2000, 4000}},
     {"path_spread_counts", &Ad7147Behaviour::path_spread_counts, {30, 40, 60}},

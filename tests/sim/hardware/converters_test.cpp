@@ -73,6 +73,9 @@ TEST(Converters, EachPropertyChangesTheResultAsItSays) {
   // A gain acts on what is left of the electrode: 2,000 − 3,000 at the positive input, 3,000 − 2,000 at the other.
   EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kNegative, 3), 0x8000 + 1020);
   EXPECT_EQ(converted({.step_counts = 1000, .neg_gain_ratio = 1.02}, kPositive, 3), 0x8000 - 1000);
+  // Everything is larger by a quarter but the zero error.
+  EXPECT_EQ(converted({.step_counts = 1000, .gain = 1.25, .zero_counts = -20}, kPositive, 3), 0x8000 - 1250 - 20);
+  EXPECT_EQ(converted({.step_counts = 1000, .gain = 1.25}, kNegative, 3), 0x8000 + 1250);
   // 2,000 of 32,768 counts above the middle are 0.061 of the way: 0.00373 of 5,000 counts are 18.6, at either input.
   EXPECT_EQ(converted({.curve_counts = 5000}, kPositive, 0), 0x8000 + 2000 + 19);
   EXPECT_EQ(converted({.curve_counts = 5000}, kNegative, 0), 0x8000 - 2000 + 19);
@@ -108,6 +111,20 @@ TEST(Converters, ABusUnderThePadsIsNoiseThatFallsWithTheDecimation) {
     }
     EXPECT_NEAR(std::sqrt(squares / kResults), expected, 0.034 * expected) << "decimation field " << decimation;
   }
+}
+
+// Stage 1 is not connected, and stage 11 converts pin 11, 11,000 counts, before stage 0 converts pin 0, which has none.
+TEST(Converters, AStageRemembersTheOneBefore) {
+  const Source source;
+  Ad7147 chip(source);
+  chip.set_behaviour({.stage_memory = 0.01});
+  chip.write_register(0x080, 2, 0);
+  chip.write_register(0x080 + 8 * 11 + 1, 2 << (2 * (11 - 7)), 0);
+  chip.write_register(0x080 + 8 * 2, 2 << 4, 0);
+  chip.write_register(0x000, 0x00B0, 0);
+  chip.write_register(0x002, 0x8000, 0);
+  EXPECT_EQ(chip.read_register(0x00B, 50'000), 0x8000 + 110);
+  EXPECT_EQ(chip.read_register(0x00D, 50'000), 0x8000 + 2000);
 }
 
 // Stage 2 ends at a quarter of the sequence: 36,900 / 4 = 9,225 µs, and 8 % later at 9,963.

@@ -282,7 +282,7 @@ double Ad7147::path_counts(int pin, bool negative) const {
 }
 
 double Ad7147::gain(int stage, bool negative) const {
-  const double input = negative ? behaviour_.neg_gain_ratio : 1.0;
+  const double input = behaviour_.gain * (negative ? behaviour_.neg_gain_ratio : 1.0);
   if (behaviour_.stage_gain_spread == 0.0) return input;
   const double deviation = spread(kGainStream + static_cast<unsigned>(stage) * 2 + (negative ? 1 : 0));
   return input * (1.0 + behaviour_.stage_gain_spread * deviation);
@@ -295,22 +295,31 @@ double Ad7147::wander(int stage, std::uint64_t at_us) const {
   return behaviour_.wander_counts * (4.0 * std::abs(phase - std::floor(phase) - 0.5) - 1.0);
 }
 
-std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
+Ad7147::Charge Ad7147::charge(int stage, std::uint64_t at_us) const {
   const std::uint16_t* setup = &stage_[static_cast<std::size_t>(stage * kRegistersPerStage)];
   // Each input has a six-bit offset and its swap bit (bit 7 of the field), which adds it.
   const std::uint16_t afe = setup[2];
   double positive = positive_dac_[(afe >> 8) & 0x3F] * ((afe & 0x8000) != 0 ? 1.0 : -1.0);
   double negative = negative_dac_[afe & 0x3F] * ((afe & 0x80) != 0 ? 1.0 : -1.0);
-  bool connected = false, stuck = false;
+  Charge charge;
   for (int pin = 0; pin < kPins; ++pin) {
     const int to = connection(setup, pin);
     if (to != 1 && to != 2) continue;
-    connected = true;
-    stuck = stuck || source_->is_stuck(pin, conversion.at_us);
-    (to == 1 ? negative : positive) += source_->counts(pin, conversion.at_us) + path_counts(pin, to == 1);
+    charge.connected = true;
+    charge.stuck = charge.stuck || source_->is_stuck(pin, at_us);
+    (to == 1 ? negative : positive) += source_->counts(pin, at_us) + path_counts(pin, to == 1);
   }
+  charge.counts = gain(stage, false) * positive - gain(stage, true) * negative;
+  return charge;
+}
+
+std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
+  const auto [own_counts, connected, stuck] = charge(stage, conversion.at_us);
   if (!connected) return kMidScale;
-  const double counts = gain(stage, false) * positive - gain(stage, true) * negative;
+  double counts = own_counts;
+  if (behaviour_.stage_memory != 0.0 && !stuck)
+    counts += behaviour_.stage_memory *
+              std::clamp(charge((stage + kStages - 1) % kStages, conversion.at_us).counts, -32768.0, 32767.0);
   const double of_range = std::clamp(counts / kMidScale, -1.0, 1.0);
   double value = kMidScale + behaviour_.zero_counts + counts + behaviour_.curve_counts * of_range * of_range;
   if (!stuck) value += noise(stage, conversion.number);

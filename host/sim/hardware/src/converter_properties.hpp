@@ -18,7 +18,7 @@ struct ConverterProperty {
 };
 
 /// Everything that the firmware relies on and no data sheet bounds to zero (docs/silicon.md shows the same list).
-inline constexpr std::array<ConverterProperty, 19> kConverterProperties{{
+inline constexpr std::array<ConverterProperty, 21> kConverterProperties{{
     {"step_counts", &Ad7147Behaviour::step_counts, nullptr, 900, 1'400, 500, 2'500,
      "970 by the flow3r badge's driver, 1,000 seen with the evaluation kit, 1,311 by the data sheet's 0.32 pF"},
     {"neg_step_ratio", &Ad7147Behaviour::neg_step_ratio, nullptr, 0.9, 1.1, 0.5, 2.0,
@@ -50,6 +50,9 @@ inline constexpr std::array<ConverterProperty, 19> kConverterProperties{{
     {"power_control_restarts", nullptr, &Ad7147Behaviour::power_control_restarts, 0, 1, 0, 1, "open"},
     {"shifted_after_stop", nullptr, &Ad7147Behaviour::shifted_after_stop, 0, 1, 0, 1, "seen on the AD7142"},
     {"status_needs_enable", nullptr, &Ad7147Behaviour::status_needs_enable, 0, 1, 0, 1, "open"},
+    {"gain", &Ad7147Behaviour::gain, nullptr, 0.75, 1.25, 0.2, 5.0,
+     "the maker's forum: the accuracy of a code may only be 20 … 25 %"},
+    {"stage_memory", &Ad7147Behaviour::stage_memory, nullptr, 0.0, 0.002, 0.0, 0.5, "nobody knows"},
 }};
 
 }  // namespace triskin::hardware

@@ -18,11 +18,11 @@ namespace triskin::fw {
 class DuplicateCheck {
  public:
   /// From this mean residual on two chips are suspected. Of 4,000 chips drawn from the ranges of docs/silicon.md one
-  /// reaches 26; two whose taxels differ by up to 100 fF leave at least 182 (tests/firmware).
+  /// reaches 28; two whose taxels differ by up to 100 fF leave at least 477 (tests/firmware).
   static constexpr float kMaxResidual_counts = 40.0F;
-  /// One chip is off by at most 15,000 (docs/silicon.md). A larger deficit is a second chip, also where one of the
+  /// One chip is off by at most 18,600 (docs/silicon.md). A larger deficit is a second chip, also where one of the
   /// results is at an end of the range.
-  static constexpr std::int32_t kMaxDeviation_counts = 0x4000;
+  static constexpr std::int32_t kMaxDeviation_counts = 0x4C00;
   /// The gains of both inputs differ by at most this share.
   static constexpr float kMaxGain = 0.05F;
   /// A taxel that is pressed between the readings, or stuck, does not count.

@@ -41,7 +41,10 @@ struct Ad7147Behaviour {
   double neg_step_ratio = 1.0;               ///< a step of the negative input's DAC as a share of it
   /// The last step of the DAC is larger than the first by this share.
   double step_bend = 0.0, neg_step_bend = 0.0;
-  double step_unevenness = 0.0;     ///< each code of a DAC is off by up to ± this share of a step
+  double step_unevenness = 0.0;  ///< each code of a DAC is off by up to ± this share of a step
+  /// Counts of a capacitance as a share of the nominal ones, at both inputs and in every stage. The steps count as
+  /// well.
+  double gain = 1.0;
   double zero_counts = 0.0;         ///< what every result has too much
   double neg_extra_counts = 0.0;    ///< capacitance of the path from a pin to the negative input
   double path_spread_counts = 0.0;  ///< that of each pin differs by up to ± this
@@ -50,6 +53,7 @@ struct Ad7147Behaviour {
   /// Integral non-linearity: so many counts too much at both ends of the range, none in the middle. An odd part is the
   /// same at both inputs with opposite signs, as a gain is.
   double curve_counts = 0.0;
+  double stage_memory = 0.0;   ///< share of what the stage before was off mid scale that a result has too much
   double noise = 1.0;          ///< as a share of the data sheet's, if set_noise() switched it on
   double wander_counts = 0.0;  ///< amplitude of slow noise, for which a wave of 4 s stands
   double period_error = 0.0;   ///< the oscillator is slower by this share
@@ -155,6 +159,11 @@ class Ad7147 {
   [[nodiscard]] double spread(std::uint64_t of) const;
   [[nodiscard]] double path_counts(int pin, bool negative) const;
   [[nodiscard]] double gain(int stage, bool negative) const;
+  struct Charge {
+    double counts = 0.0;  ///< of both inputs, off mid scale
+    bool connected = false, stuck = false;
+  };
+  [[nodiscard]] Charge charge(int stage, std::uint64_t at_us) const;
   [[nodiscard]] double wander(int stage, std::uint64_t at_us) const;
   [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
   [[nodiscard]] double noise(int stage, std::uint64_t number) const;
