@@ -35,12 +35,32 @@ enum class Cause {
   kDriftingChip,
   kStuckTaxel,
   kLoosePlug,
+  kDeadModule,  // This one and those below are of switched modules.
+  kOpenJoint,
+  kShortedJoint,
+  kModuleHoldsLine,
+  kTurnedModule,
+  kExchangedModules,
+  kModuleReset,
 };
-inline constexpr std::array<const char*, 11> kCauseNames{
-    "nothing is wrong",          "supply drop along the tree",  "one broken trace of a line",
-    "a line held low",           "firmware of another release", "wrong straps of a module",
-    "a strap that breaks later", "two boards on one number",    "a chip that drifts",
-    "a taxel that sticks",       "a plug that comes and goes"};
+inline constexpr std::array<const char*, 18> kCauseNames{"nothing is wrong",
+                                                         "supply drop along the tree",
+                                                         "one broken trace of a line",
+                                                         "a line held low",
+                                                         "firmware of another release",
+                                                         "wrong straps of a module",
+                                                         "a strap that breaks later",
+                                                         "two boards on one number",
+                                                         "a chip that drifts",
+                                                         "a taxel that sticks",
+                                                         "a plug that comes and goes",
+                                                         "switched: a dead module",
+                                                         "switched: an open joint",
+                                                         "switched: a shorted joint",
+                                                         "switched: a module that holds a line low",
+                                                         "switched: a module turned by 120°",
+                                                         "switched: two modules exchanged",
+                                                         "switched: a module forgets its ports for a moment"};
 
 /// A skin with one cause, and what a right finding says.
 class CauseDraw {
@@ -199,8 +219,33 @@ class CauseDraw {
         modules_ = behind(module);
         return true;
       }
+      default:
+        return draw_switched(cause, module);
     }
-    return false;
+  }
+
+  // From power-up on, or since a moment before `verify`.
+  bool draw_switched(Cause cause, int module) {
+    static constexpr std::array kKinds{Kind::kDeadModule,    Kind::kOpenJoint,    Kind::kShortedJoint, Kind::kHeldLine,
+                                       Kind::kRotatedModule, Kind::kSwappedChips, Kind::kModuleReset};
+    scene_.switched = true;
+    const int parent = routed(module).parent;
+    hardware::Fault& f = fault(kKinds[static_cast<std::size_t>(cause) - static_cast<std::size_t>(Cause::kDeadModule)]);
+    f.module = layout::ModuleId{module};
+    modules_ = {module};
+    if (any(2) == 0 && cause != Cause::kTurnedModule && cause != Cause::kExchangedModules)
+      f.from_us = kVerifyAt_us - 2'000'000;
+    if (cause == Cause::kOpenJoint || cause == Cause::kShortedJoint) f.other = layout::ModuleId{parent};
+    if (cause == Cause::kModuleHoldsLine) f.line = line_ = any(layout::kLines);
+    if (cause == Cause::kTurnedModule) f.value = 1 + any(2);
+    if (cause == Cause::kModuleReset) f.from_us = kVerifyAt_us - 1'000'000;
+    if (cause == Cause::kExchangedModules) f.other = layout::ModuleId{any(scene_.design.layout.modules.size())};
+    if (f.other >= 0) modules_.insert(f.other);
+    const bool needs_parent = cause == Cause::kOpenJoint || cause == Cause::kShortedJoint;
+    // Switched modules of one rotation may be exchanged: the controller gives them their addresses.
+    const bool differs = cause != Cause::kExchangedModules || (f.other != f.module && patch_of(f.other) == patch_ &&
+                                                               routed(f.other).rotation != routed(module).rotation);
+    return (!needs_parent || parent >= 0) && differs;
   }
 
   // Two to six modules of one patch lose the most on the way; the others have enough.
@@ -251,6 +296,15 @@ class CauseDraw {
       case Cause::kBrokenStrap:
       case Cause::kDriftingChip:
         return modules_.contains(f.module);
+      case Cause::kDeadModule:
+      case Cause::kOpenJoint:
+      case Cause::kShortedJoint:
+      case Cause::kModuleHoldsLine:
+      case Cause::kTurnedModule:
+      case Cause::kExchangedModules:
+        return f.patch == patch_ &&
+               (modules_.contains(f.module) || modules_.contains(f.other) || (f.line >= 0 && f.line == line_));
+      case Cause::kModuleReset:
       case Cause::kNone:
         break;
     }
@@ -267,8 +321,10 @@ class CauseDraw {
     }
     for (const auto& [kind, count] : kinds)
       told.findings += (told.findings.empty() ? "" : ", ") + kind + (count > 1 ? fmt::format(" ×{}", count) : "");
-    if (cause_ == Cause::kNone) told.verdict = findings.empty() ? Verdict::kRight : Verdict::kWrong;
-    if (findings.empty() || cause_ == Cause::kNone) return told;
+    // The controller finds the way again by itself, within milliseconds.
+    const bool heals = cause_ == Cause::kNone || cause_ == Cause::kModuleReset;
+    if (heals) told.verdict = findings.empty() ? Verdict::kRight : Verdict::kWrong;
+    if (findings.empty() || heals) return told;
     told.verdict = Verdict::kMany;
     if (findings.size() > 1) return told;
     const diagnose::Finding& f = findings[0];
@@ -314,6 +370,26 @@ class CauseDraw {
         right = is({K::kLooseJoint}) || (modules_.size() == 1 && is({K::kIntermittentModule}));
         both = right && says("the supply is too low");
         break;
+      case Cause::kDeadModule:  // At the end of a branch it looks like its joint.
+        right = is({K::kMissingModule});
+        both = is({K::kMissingJoint}) && says("dead");
+        break;
+      case Cause::kOpenJoint:
+      case Cause::kShortedJoint:
+        right = is({K::kMissingJoint});
+        both = is({K::kMissingModule}) && says("joints");
+        break;
+      case Cause::kModuleHoldsLine:
+        right = is({K::kStuckLine}) || says("was held low until this was left out");
+        both = !right && is({K::kMissingModule, K::kMissingJoint}) && says("a line of the bus low");
+        break;
+      case Cause::kTurnedModule:
+        right = is({K::kRotatedModule});
+        break;
+      case Cause::kExchangedModules:
+        right = is({K::kSwappedModules});
+        break;
+      case Cause::kModuleReset:
       case Cause::kNone:
         break;
     }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
+
 #include "triskin/base/error.hpp"
 
 namespace triskin::test {
@@ -24,7 +26,7 @@ INSTANTIATE_TEST_SUITE_P(All, Causes,
                                          Cause::kLoosePlug),
                          [](const auto& tested) {
                            std::string name = kCauseNames[static_cast<std::size_t>(tested.param)];
-                           std::ranges::replace(name, ' ', '_');
+                           std::ranges::replace_if(name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
                            return name;
                          });
 

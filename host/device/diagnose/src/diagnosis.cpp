@@ -118,9 +118,16 @@ void Diagnosis::examine_lines(const PatchState& p) {
       held = held || p.states.state[row] == ModuleState::kLineStuck;
     }
     const auto recoveries = p.line_states.lines[k].recoveries;
-    if (!held && recoveries == 0) continue;
-    const std::string what =
+    if (!held && (recoveries == 0 || left_out_.contains(p.patch))) continue;
+    std::string what =
         held ? "is held low" : fmt::format("was held low and freed by clock pulses {}", counted(recoveries, "time"));
+    // The controller leaves out what holds a line if it can, and looks for a way round again and again if it cannot:
+    // meanwhile the other lines have gaps, too.
+    if (held && p.topology.switched) {
+      what +=
+          fmt::format(" at the cable or at module {}, because what is behind would be left out", number(p.module(0)));
+      for (std::size_t row = 0; row < p.image.module_count; ++row) explained_by_this(std::array{p.module(row)});
+    }
     add(Seen::kLineHeld, p.patch, fmt::arg("line", l), fmt::arg("what", what), fmt::arg("list", list_of(modules)))
         .line = l;
     if (held) explained_by_this(modules);
@@ -146,7 +153,7 @@ void Diagnosis::examine_modules(const PatchState& p) {
         doubled.push_back(row);
         break;
       case ModuleState::kUnknown:
-        explained_.insert(module);
+        if (!explained_.insert(module).second) break;
         add(Seen::kNothingRead, module);
         break;
       case ModuleState::kSaturated:
@@ -176,8 +183,12 @@ void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
   constexpr int kManyTaxels = 6;  // If this many taxels of a module are at their ends, they count as one fault.
   const layout::ModuleId module = p.module(row);
   const wire::ModuleTaxels& now = p.now.modules[row];
-  int at_end = 0;
-  for (std::size_t t = 0; t < now.value.size(); ++t) at_end += !now.is_valid(t) && is_at_end(now.value[t]) ? 1 : 0;
+  int at_end = 0, valid = 0;
+  for (std::size_t t = 0; t < now.value.size(); ++t) {
+    at_end += !now.is_valid(t) && is_at_end(now.value[t]) ? 1 : 0;
+    valid += now.is_valid(t) ? 1 : 0;
+  }
+  if (valid == 0 && at_end == 0) return;  // Nothing was read at this moment: a taxel is frozen while others change.
   if (at_end >= kManyTaxels) {
     explained_.insert(module);
     add(Seen::kManyAtEnd, module, fmt::arg("taxels", counted(at_end, "taxel")),

@@ -272,6 +272,12 @@ void Diagnosis::examine_missing(const PatchState& p, const Modules& missing) {
   const std::string meanwhile = alive.empty() ? ""
                                               : fmt::format("; the controller of patch {} reads {} meanwhile",
                                                             adopter_.at(*alive.begin()), list_of(alive));
+  std::string held;
+  for (std::size_t line = 0; line < p.line_states.lines.size(); ++line) {
+    if (!missing.empty() && p.line_states.lines[line].recoveries > 0)
+      held += fmt::format("; line L{} was held low until this was left out", line);
+  }
+  if (!held.empty()) left_out_.insert(p.patch);
   for (MissingCause& c : explain_missing(design_, p.patch, missing, alive)) {
     const bool joint = c.kind == FindingKind::kMissingJoint;
     std::vector<layout::ModuleId> concerned = c.behind;
@@ -285,7 +291,7 @@ void Diagnosis::examine_missing(const PatchState& p, const Modules& missing) {
     if (!joint && !c.behind.empty()) behind = fmt::format("; behind it are out of reach: {}", list_of(c.behind));
     Finding& f = add(joint ? Seen::kJointPassesNothing : Seen::kModuleNotFound, c.module, fmt::arg("patch", p.patch),
                      fmt::arg("joint", joint ? joint_text(design_, c.module, c.other) : ""), fmt::arg("behind", behind),
-                     fmt::arg("meanwhile", meanwhile));
+                     fmt::arg("meanwhile", meanwhile + held));
     if (!joint) f.text = fmt::format("patch {}: {}", p.patch, f.text);
     f.other = c.other;
     f.behind = c.behind;

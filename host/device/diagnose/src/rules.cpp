@@ -80,7 +80,7 @@ constexpr std::array kRules{
         "this joint or before it{or_else}"},
     Rule{S::kJointPassesNothing, K::kMissingJoint, W::kJoint,
          "patch {patch}: nothing passes {joint}{behind}{meanwhile}",
-         "solder this joint anew; if that does not help, module {module} is dead"},
+         "solder this joint anew; if that does not help, module {module} is dead, or holds a line of the bus low"},
     Rule{S::kNothingBetween, K::kMissingJoint, W::kJoint,
          "nothing passes between module {module} and module {other}, which are joined in the design",
          "look for a broken or unsoldered joint between them"},
@@ -176,7 +176,7 @@ constexpr std::array kRules{
     // Only a chain of switched modules shows these.
     Rule{S::kModuleNotFound, K::kMissingModule, W::kReplace,
          "module {module} was not found: it or all of its joints are broken{behind}{meanwhile}",
-         "check its supply and its joints, then the module"},
+         "check its supply and its joints, then the module, which may also hold a line of the bus low"},
     Rule{S::kModuleFitsNowhere, K::kExtraModule, W::kCable, "found module {number} fits nowhere in the design",
          "compare the patch with the assembly sheet"},
     Rule{

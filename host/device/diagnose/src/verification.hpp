@@ -219,6 +219,7 @@ class Diagnosis {
   Modules bad_;        // These modules have a state other than ok.
   Modules explained_;  // The missing touch response of these modules already has a finding.
   // Each adopted module is mapped to the patch whose controller reads it.
+  std::set<layout::PatchIndex> left_out_;  // The controllers of these left out a module that held a line.
   std::map<layout::ModuleId, layout::PatchIndex> adopter_;
 };
 
