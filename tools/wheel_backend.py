@@ -29,17 +29,18 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         for component in ("library", "python"):
             subprocess.run(["cmake", "--install", str(folder), "--component", component, "--prefix", stage], check=True)
         stage = pathlib.Path(stage)
-        [module] = stage.glob("lib/python*/dist-packages/triskin.*.so")
+        [package] = stage.glob("lib/python*/dist-packages/triskin")
         [library] = [file for file in stage.rglob("libtriskin.so.*") if re.fullmatch(r"libtriskin\.so\.\d+", file.name)]
-        return write(pathlib.Path(wheel_directory), version, module, library)
+        return write(pathlib.Path(wheel_directory), version, package, library)
 
 
-def write(folder, version, module, library):
-    """The module finds its library two folders up, in lib of the environment, where `data` goes."""
-    python, platform = re.fullmatch(r"triskin\.cpython-(\d+)-(.*)-gnu\.so", module.name).groups()
+def write(folder, version, package, library):
+    """The module finds its library three folders up, in lib of the environment, where `data` goes."""
+    [module] = package.glob("_core.*.so")
+    python, platform = re.fullmatch(r"_core\.cpython-(\d+)-(.*)-gnu\.so", module.name).groups()
     python, platform = "cp" + python, platform.replace("-", "_").replace("x86_64_linux", "linux_x86_64").replace("aarch64_linux", "linux_aarch64")
     name, info = f"triskin-{version}-{python}-{python}-{platform}.whl", f"triskin-{version}.dist-info"
-    files = {module.name: module.read_bytes(),
+    files = {**{f"triskin/{file.name}": file.read_bytes() for file in sorted(package.iterdir()) if file.is_file()},
              f"triskin-{version}.data/data/lib/{library.name}": library.read_bytes(),
              f"{info}/METADATA": (f"Metadata-Version: 2.1\nName: triskin\nVersion: {version}\nSummary: Samples of robot skin as numpy arrays\n"
                                   "License: GPL-3.0-or-later\nRequires-Dist: numpy\n").encode(),

@@ -127,6 +127,31 @@ TEST_F(Discovered, a_bridge_that_is_off_is_not_found_and_says_so) {
   EXPECT_THAT(off.text(), Not(HasSubstr(kSeen)));
 }
 
+// A network of its own, with the loopback interface and one other that counts what is sent to it. Without the variable
+// the bridge looks for others there.
+TEST_F(Discovered, with_ROS_LOCALHOST_ONLY_no_packet_leaves_the_loopback_interface) {
+  if (std::system("unshare -n ip link show lo > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "left out: this user may not make a network of its own (unshare -n), or iproute2 is not installed";
+  const auto sent = [&](const std::string& variables) {
+    const std::string script = fmt::format(
+        "cd '{0}' && exec unshare -n sh -c '"
+        "ip link set lo up && ip link add out0 type veth peer name in0 && ip link set out0 addrgenmode none && ip link "
+        "set in0 addrgenmode none up && "
+        "ip addr add 10.9.8.7/24 dev out0 && ip link set out0 up && ip route add default dev out0 && "
+        "env -u ROS_LOCALHOST_ONLY -u FASTRTPS_DEFAULT_PROFILES_FILE XDG_STATE_HOME=state {1} {2} bridge strip.json "
+        "--link sim --seconds 2 --domain {3} > bridge.txt 2>&1 && ip -s -j link show out0 > out0.json'",
+        folder_.string(), variables, test::program_file(), domain_);
+    EXPECT_EQ(std::system(script.c_str()), 0) << read_file(folder_ / "bridge.txt");
+    const std::string counted = read_file(folder_ / "out0.json");
+    const std::size_t at = counted.find("\"packets\":", counted.find("\"tx\":"));
+    return std::stoi(counted.substr(at + 10));
+  };
+  EXPECT_EQ(sent("ROS_LOCALHOST_ONLY=1"), 0);
+  EXPECT_GT(sent("ROS_LOCALHOST_ONLY=0"), 0);
+  EXPECT_EQ(sent("ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"), 0);
+  EXPECT_EQ(sent("ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"), 0);
+}
+
 TEST_F(Discovered, a_wrong_value_ends_the_command_before_it_publishes) {
   for (const char* variables :
        {"ROS_AUTOMATIC_DISCOVERY_RANGE=ON", "ROS_LOCALHOST_ONLY=true", "ROS_STATIC_PEERS=a,b"}) {

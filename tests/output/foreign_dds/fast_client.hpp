@@ -41,7 +41,7 @@ class RawType final : public dds::TopicDataType {
   bool getKey(void* /*data*/, rtps::InstanceHandle_t* /*key*/, bool /*md5*/) override { return false; }
 };
 
-/// Calls a service as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp, rmw_service_server_is_available.cpp): the
+/// Calls a service as rmw_fastrtps_shared_cpp does when it requests, takes responses and asks for servers: the
 /// request is the plain message, its inline QoS names the reader that waits; of the answers those are taken that name
 /// this reader or writer and the number of the request.
 class FastClient {

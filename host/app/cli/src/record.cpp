@@ -24,6 +24,7 @@
 #include "triskin/recording/join.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
+#include "triskin/recording/rosbag2.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
@@ -31,10 +32,10 @@
 namespace triskin::cli::record_command {
 namespace {
 
-enum class Format { kMcap, kCsv, kHdf5 };
+enum class Format { kMcap, kCsv, kHdf5, kRosbag2 };
 // The option --format uses these names, which are also the extensions.
-constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 3>{
-    {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}}}};
+constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 4>{
+    {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}, {Format::kRosbag2, "rosbag2"}}}};
 
 struct Options {
   SiteOptions site;
@@ -45,6 +46,7 @@ struct Options {
   double seconds = 10.0;
   double cloud_hz = 5.0;
   std::string split;
+  int rosbag2_version = recording::kMinRosbag2Version;
 };
 
 // When a file ends and the next one begins; 0: never.
@@ -94,12 +96,17 @@ Format format_of(const Options& options, bool is_robot) {
   const auto by_extension =
       extension == ".h5" ? Format::kHdf5 : kFormatNames.value(extension.empty() ? "" : extension.substr(1));
   if (options.to.empty()) {
-    if (by_extension) return *by_extension;
+    if (by_extension && *by_extension != Format::kRosbag2) return *by_extension;
     if (options.output == "-" || is_robot) return Format::kMcap;
     throw InputError(
         fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --format", options.output));
   }
   const Format format = kFormatNames.value(options.to).value();
+  if (format == Format::kRosbag2) {
+    if (by_extension || options.output == "-")
+      throw InputError(fmt::format("{}: a bag of ROS 2 is a folder; give a name without an extension", options.output));
+    return format;
+  }
   if (by_extension && *by_extension != format) {
     throw InputError(
         fmt::format("{}: the extension says {}, --format says {}; choose one", options.output, extension, options.to));
@@ -141,8 +148,12 @@ std::vector<CoverPlace> places_of(const robot::Assembly& assembly) {
 
 class CoverFile {
  public:
-  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format, Split split)
-      : cover_(cover), format_(format), path_(path), split_(split) {
+  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format, const Options& options)
+      : cover_(cover),
+        format_(format),
+        path_(path),
+        split_(split_of(options.split)),
+        rosbag2_version_(options.rosbag2_version) {
     file_ = std::make_unique<recording::OutputFile>(part_path());
   }
 
@@ -164,6 +175,8 @@ class CoverFile {
     live_ = &bus.covers()[cover];
     bus_ = &bus;
     origin_.design_text = read_text(cover_.design_file);
+    // In a bag, topics and frame are those of the bridge.
+    if (format_ == Format::kRosbag2 && origin_.part.empty()) origin_.part = bridge::part_name(cover_.design.name);
     origin_.facts["link"] = bus.bus().name();
     if (link::is_simulated(bus.bus().name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
@@ -210,7 +223,8 @@ class CoverFile {
                        {"lost", fmt::format("{}", lost)},
                        {"seconds", fmt::format("{:.6f}", seconds)}});
     recorder_.reset();
-    file_->close();
+    close_file();
+    if (format_ == Format::kRosbag2) write_bag();
   }
 
   [[nodiscard]] const robot::CoverConfig& cover() const { return cover_; }
@@ -219,9 +233,9 @@ class CoverFile {
   [[nodiscard]] int parts() const { return part_ + 1; }
 
  private:
-  // touch.mcap; with --split touch_0.mcap, touch_1.mcap …, as rosbag2 names them.
+  // touch.mcap; with --split, and in a bag of ROS 2, touch_0.mcap, touch_1.mcap …, as rosbag2 names them.
   [[nodiscard]] std::string part_path() const {
-    if (!split_.is_set()) return path_;
+    if (!split_.is_set() && format_ != Format::kRosbag2) return path_;
     const std::filesystem::path path(path_);
     return (path.parent_path() / fmt::format("{}_{}{}", path.stem().string(), part_, path.extension().string()))
         .string();
@@ -237,17 +251,33 @@ class CoverFile {
     recorder_->finish(
         {{"status", fmt::format("goes on in {}", std::filesystem::path(part_path()).filename().string())}});
     recorder_.reset();
-    file_->close();
+    close_file();
     file_ = std::make_unique<recording::OutputFile>(part_path());
     origin_.link_start_us = bus_->now_us();
     origin_.unix_start_ns = bus_->unix_ns(origin_.link_start_us);
     begin();
   }
 
+  void close_file() {
+    file_->close();
+    closed_.emplace_back(file_->name());
+  }
+  void write_bag() const {
+    const auto hash = [](std::string_view type) {
+      for (const bridge::RosType* known : bridge::all_types())
+        if (known->message.name == type) return std::string(known->hash);
+      return std::string();
+    };
+    write_file_atomically(closed_.front().parent_path() / "metadata.yaml",
+                          recording::rosbag2_metadata(closed_, rosbag2_version_, hash));
+  }
+
   const robot::CoverConfig& cover_;
   Format format_;
   std::string path_;
   Split split_;
+  int rosbag2_version_;
+  std::vector<std::filesystem::path> closed_;
   int part_ = 0;
   std::unique_ptr<recording::OutputFile> file_;
   // describe() sets this pointer.
@@ -259,14 +289,30 @@ class CoverFile {
   bool had_contacts_ = false;
 };
 
-// Returns FOLDER/COVER.mcap for a robot; a cover whose controllers are on several buses has a file for each bus.
+// A bag of ROS 2 is a folder that does not exist yet, as `ros2 bag record` wants it too.
+void make_bag_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (std::filesystem::exists(folder, error) && !std::filesystem::is_empty(folder, error))
+    throw InputError(fmt::format(
+        "{}: a bag of ROS 2 is a folder of its own, and this is there already; give a new name", folder.string()));
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(fmt::format("{}: cannot make the folder ({})", folder.string(), error.message()));
+}
+
+// Returns FOLDER/COVER.mcap for a robot; a cover whose controllers are on several buses has a file for each bus. A bag
+// of ROS 2 is a folder for each of them.
 std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
                     const robot::BusConfig& bus) {
-  if (cover.name.empty()) return options.output;
+  const std::filesystem::path output(options.output);
   const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
-  return (std::filesystem::path(options.output) /
-          fmt::format("{}{}.{}", cover.name, divided ? "_" + bus.name : "", kFormatNames.name(format)))
-      .string();
+  const std::string name = cover.name + (divided && !cover.name.empty() ? "_" + bus.name : "");
+  if (format == Format::kRosbag2) {
+    const std::filesystem::path folder = name.empty() ? output : output / name;
+    make_bag_folder(folder);
+    return (folder / (folder.filename().string() + ".mcap")).string();
+  }
+  if (name.empty()) return options.output;
+  return (output / fmt::format("{}.{}", name, kFormatNames.name(format))).string();
 }
 
 // Each bus has its recordings and their results.
@@ -280,8 +326,7 @@ class BusRecording {
       : options_(options), site_(site), joint_(std::move(joint)) {
     for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
-      files_.push_back(
-          std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format, split_of(options.split)));
+      files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format, options));
       if (!places.empty()) files_.back()->place(places.at(static_cast<std::size_t>(cover.cover)));
     }
   }
@@ -519,10 +564,14 @@ const Registration kRecord{{
       auto options = std::make_shared<Options>();
       app.add_option("-o,--output", options->output,
                      "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each "
-                     "cover, or file.mcap, which holds all of them for viewers")
+                     "cover, or file.mcap, which holds all of them for viewers; for rosbag2 a new folder")
           ->required();
       app.add_option("--format", options->to, "format; default: by the extension of -o")
-          ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));
+          ->check(CLI::IsMember({"mcap", "csv", "hdf5", "rosbag2"}));
+      app.add_option("--rosbag2-version", options->rosbag2_version,
+                     "version of metadata.yaml: 5 is read by ROS 2 from Humble on, 9 is that of Jazzy")
+          ->check(CLI::Range(recording::kMinRosbag2Version, recording::kMaxRosbag2Version))
+          ->capture_default_str();
       add_site_options(app, options->site);
       add_stream_options(app, options->stream);
       add_calibration_options(app, options->calibration);

@@ -500,7 +500,7 @@ void add_recording(py::module_& m) {
 
 }  // namespace
 
-PYBIND11_MODULE(triskin, m) {
+PYBIND11_MODULE(_core, m) {
   m.doc() = "Samples of robot skin as numpy arrays (docs/library.md).";
   m.attr("__version__") = triskin_version();
   PYBIND11_NUMPY_DTYPE(triskin_sample, time_s, error_s, device_time_us, number, module, node, valid, value);
