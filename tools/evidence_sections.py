@@ -347,7 +347,7 @@ def contacts(bench, page):
                 for r in study])
     page.number("cramer_rao", f"{study[0]['position_over_bound']:.2f} in place, {study[0]['force_over_bound']:.2f} in force")
     grown = of(rows, "growth")
-    page.say("Cost by the number of taxels, one contact of 3 N (noise 0.01, seven draws):")
+    page.say("Cost by the number of taxels, one contact of 0.5 N (noise 0.01, seven draws):")
     page.table(("modules", "taxels", "found", "error of place, mm", "of force", "time over the first"),
                [(r["modules"], r["taxels"], f"{r['found']} of {r['draws']}", f"{r['place_mm']:.3f}", percent(r["force_share"]), spread(r["processor_s"].over(grown[0]["processor_s"]))) for r in grown])
     page.plot("growth", "Finding one contact: time over taxels", Axis("taxels", [r["taxels"] for r in grown]), Axis("times the first", [v for r in grown for v in error_bars(0, r["processor_s"].over(grown[0]["processor_s"]))[1:]]),
@@ -402,7 +402,7 @@ def device(bench, page):
              "count is the rounding of the output.")
     page.table(("readings", "worst, counts", "mean, counts"), [(f"{r['readings']:,}", f"{r['worst_counts']:.4f}", f"{r['mean_counts']:.4f}") for r in fixed])
     page.plot("fixed", "Fixed point: largest difference over a run", Axis("readings", [r["readings"] for r in fixed]), Axis("counts", [1.0], log=False, low=0.0),
-              [("worst", [(r["readings"], r["worst_counts"]) for r in fixed]), ("mean", [(r["readings"], r["mean_counts"]) for r in fixed])], "nothing adds up over a run")
+              [("worst", [(r["readings"], r["worst_counts"]) for r in fixed]), ("mean", [(r["readings"], r["mean_counts"]) for r in fixed])], f"beyond the half count of rounding: {max(r['worst_counts'] for r in fixed) - 0.5:.3f} counts at most")
     page.number("fixed", f"{max(r['worst_counts'] for r in fixed):.2f} counts in {fixed[-1]['readings']:,} readings")
     page.heading("Calibration: error against effort")
     lines = of(rows, "calibration")

@@ -307,8 +307,9 @@ void add_numbers(nlohmann::json& result, const Comparison& comparison) {
   }
 }
 
-// Rows of modules with one contact of 3 N in their middle, found from values with noise of 0.01.
+// Rows of modules with one contact of 0.5 N in their middle, found from values with noise of 0.01.
 nlohmann::json growth_row(int modules, std::uint64_t seed) {
+  constexpr double kForce_n = 0.5;
   Dice dice(seed);
   const ContactTable table(Layer{2.0, 0.3, 30.0});
   std::vector<Eigen::Vector2d> taxels;
@@ -320,7 +321,7 @@ nlohmann::json growth_row(int modules, std::uint64_t seed) {
     }
   }
   const Eigen::Vector2d middle = (taxels.front() + taxels.back()) / 2.0;
-  const std::vector<ContactEstimate> truth{{.position_mm = middle, .force_n = 3.0, .tip_radius_mm = 12.0}};
+  const std::vector<ContactEstimate> truth{{.position_mm = middle, .force_n = kForce_n, .tip_radius_mm = 15.0}};
   const std::vector<double> values = predict_taxels(table, taxels, truth);
   std::vector<double> seconds, place, force;
   for (int draw = 0; draw < 7; ++draw) {
@@ -337,7 +338,7 @@ nlohmann::json growth_row(int modules, std::uint64_t seed) {
     seconds.push_back(cli::processor_s() - start);
     if (found.contacts.size() != 1) continue;
     place.push_back((found.contacts[0].position_mm - middle).norm());
-    force.push_back(std::abs(found.contacts[0].force_n / 3.0 - 1.0));
+    force.push_back(std::abs(found.contacts[0].force_n / kForce_n - 1.0));
   }
   return {{"series", "growth"},
           {"modules", modules},
