@@ -116,5 +116,15 @@ TEST(ModuleNumber, is_that_of_the_cover_in_a_robot) {
   EXPECT_THAT(side_by_side(covers).design.layout.numbers, ElementsAre(0, 2, 4, 5, 6, 0, 1));
 }
 
+TEST(ModuleNumber, a_design_that_is_too_large_is_not_made_again) {
+  Design d;
+  d.kinds.kinds.push_back({"soft", 12, "", 0.0});
+  d.layout.modules.resize(8192);
+  EXPECT_NO_THROW(require_fitting_number(d, 8191));
+  EXPECT_INPUT_ERROR(require_fitting_number(d, 8192), "make the design anew");
+  d.layout.modules.resize(8193);
+  EXPECT_INPUT_ERROR(require_fitting_number(d, 8192), "at most 8192 modules where there are kinds, this one 8193");
+}
+
 }  // namespace
 }  // namespace triskin::design

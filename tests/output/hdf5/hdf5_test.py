@@ -29,6 +29,7 @@ def main():
             for k, row in enumerate(expected):
                 for name in ("module", "taxel", "patch", "line", "address"):
                     assert taxels[name][k] == int(row[name]), (name, k)
+                assert taxels["cover"].asstr()[k] == row["cover"] == "strip"
                 assert taxels["measures_pressure"][k] == (int(row["taxel"]) not in (6, 10))
                 for x, name in enumerate(("x_mm", "y_mm", "z_mm")):
                     assert abs(taxels["position"][k, x] - float(row[name])) < 5.1e-5, (name, k)

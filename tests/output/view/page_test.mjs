@@ -383,6 +383,9 @@ async function robot() {
   for (let c = 0; c < covers; ++c)
     run("robot", "add", file, design, "--name", `cover_${c}`, "--bus", `bus_${c % buses}`, "--xyz-mm", `0,${60 * c},${20 * c}`);
   run("flash", file);
+  // Each cover is calibrated, so the page of all speaks kPa and N. A larger robot is measured without.
+  const isCalibrated = !process.env.ROBOT;
+  for (let c = 0; isCalibrated && c < covers; ++c) run("calibrate", file, "--cover", `cover_${c}`, "--steps", "10,20,40");
   const rate = process.env.DECIMATION ? ["--decimation", process.env.DECIMATION] : [];
   const server = spawn(triskin, ["view", file, "--no-open", "--port", "0", ...rate], {env: environment});
   let printed = "";
@@ -403,6 +406,11 @@ async function robot() {
   // Every text names it as the other outputs do, and nowhere by its number among all covers.
   const called = `cover_${covers - 1} 2`;
   await page.waitForFunction((name) => document.getElementById("contacts").textContent.includes(`module ${name}: `), called);
+  if (isCalibrated) {
+    await page.waitForFunction(() => / N at /.test(document.getElementById("contacts").textContent));
+    assert.match(await page.textContent("#legend"), /kPa/);
+    assert.doesNotMatch(await page.textContent("aside"), /counts/);
+  }
   await page.fill("#find", called);
   await page.dispatchEvent("#find", "change");
   assert.equal(await page.evaluate(() => window.triskin.selected), pressed);

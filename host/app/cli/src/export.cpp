@@ -33,50 +33,45 @@ struct Options {
 
 struct Format {
   const char* suffix;
-  std::string (*write)(const design::Design&, const Options&);
+  std::string (*write)(const ShownDesign&, const Options&);
+  // Of a robot each cover has a file of its own, NAME.COVER.pdf, with the numbers of its design.
+  bool has_file_a_cover = false;
 };
 template <std::string (*write)(const design::Design&)>
-std::string plain(const design::Design& design, const Options& /*options*/) {
-  return write(design);
+std::string plain(const ShownDesign& shown, const Options& /*options*/) {
+  return write(shown.design);
 }
 template <exports::MjcfTouch touch>
-std::string mjcf(const design::Design& design, const Options& options) {
-  return exports::mjcf(design, touch, options.body);
+std::string mjcf(const ShownDesign& shown, const Options& options) {
+  return exports::mjcf(shown.design, touch, options.body);
 }
 template <std::string (*write)(const design::Design&, sheet::Paper, sheet::SheetModules)>
-std::string on_paper(const design::Design& design, const Options& options) {
-  return write(design, options.paper,
+std::string on_paper(const ShownDesign& shown, const Options& options) {
+  return write(shown.design, options.paper,
                options.switched ? sheet::SheetModules::kSwitched : sheet::SheetModules::kStrapped);
 }
-// Unlike the others, the page and the table of taxels name the covers of a robot.
-std::string page(const design::Design& /*design*/, const Options& options) {
-  ShownDesign shown = read_shown_design(options.design, false);
-  shown.notes.has_switched_modules = options.switched;
-  return view::page_html(shown.design, {}, shown.notes);
+std::string page(const ShownDesign& shown, const Options& options) {
+  view::Notes notes = shown.notes;
+  notes.has_switched_modules = options.switched;
+  return view::page_html(shown.design, {}, notes);
 }
-std::string taxels(const design::Design& /*design*/, const Options& options) {
-  const ShownDesign shown = read_shown_design(options.design, false);
-  std::vector<exports::NamedCover> covers;
-  for (std::size_t c = 0; c < shown.notes.covers.size(); ++c)
-    covers.push_back({shown.notes.covers[c].name, shown.offsets[c]});
-  return exports::taxels_csv(shown.design, covers);
-}
-const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<exports::picture_svg>}},
-                                             {"taxels", {".taxels.csv", taxels}},
-                                             {"modules", {".modules.obj", plain<exports::modules_obj>}},
-                                             {"html", {".html", page}},
-                                             {"gltf", {".gltf", plain<exports::gltf>}},
-                                             {"urdf", {".urdf", plain<exports::urdf>}},
-                                             {"sdf", {".sdf", plain<exports::sdf>}},
-                                             {"mjcf", {".mjcf.xml", mjcf<exports::MjcfTouch::kTactile>}},
-                                             {"mjcf-touch", {".touch.xml", mjcf<exports::MjcfTouch::kSites>}},
-                                             {"taxel-list", {".taxels.json", plain<exports::taxel_list_json>}},
-                                             {"npz", {".npz", plain<exports::taxel_list_npz>}},
-                                             {"hdf5", {".h5", plain<hdf5::taxel_table>}},
-                                             {"icub-positions", {".positions.txt", plain<exports::icub_positions>}},
-                                             {"icub-skingui", {".skingui.ini", plain<exports::icub_skingui>}},
-                                             {"pdf", {".pdf", on_paper<sheet::pdf>}},
-                                             {"sheet-svg", {".sheet.svg", on_paper<sheet::svg>}}};
+const std::map<std::string, Format> kFormats{
+    {"picture", {".svg", plain<exports::picture_svg>}},
+    {"taxels", {".taxels.csv", plain<exports::taxels_csv>}},
+    {"modules", {".modules.obj", plain<exports::modules_obj>}},
+    {"html", {".html", page}},
+    {"gltf", {".gltf", plain<exports::gltf>}},
+    {"urdf", {".urdf", plain<exports::urdf>}},
+    {"sdf", {".sdf", plain<exports::sdf>}},
+    {"mjcf", {".mjcf.xml", mjcf<exports::MjcfTouch::kTactile>}},
+    {"mjcf-touch", {".touch.xml", mjcf<exports::MjcfTouch::kSites>}},
+    {"taxel-list", {".taxels.json", plain<exports::taxel_list_json>}},
+    {"npz", {".npz", plain<exports::taxel_list_npz>}},
+    {"hdf5", {".h5", plain<hdf5::taxel_table>}},
+    {"icub-positions", {".positions.txt", plain<exports::icub_positions>, true}},
+    {"icub-skingui", {".skingui.ini", plain<exports::icub_skingui>, true}},
+    {"pdf", {".pdf", on_paper<sheet::pdf>, true}},
+    {"sheet-svg", {".sheet.svg", on_paper<sheet::svg>, true}}};
 
 std::map<std::string, sheet::Paper> papers() {
   std::map<std::string, sheet::Paper> papers;
@@ -121,18 +116,13 @@ std::string recorded_page(const Options& options, Output& output) {
   return view::page_html(track.skin.design, track.frames, notes);
 }
 
-bool is_sheet(const Format& format) {
-  return std::string_view(format.suffix) == ".pdf" || std::string_view(format.suffix) == ".sheet.svg";
-}
-
-// A sheet is built from, so each cover of a robot has its own: NAME.COVER.pdf, with the numbers of its design.
-std::vector<std::string> write_sheets(const Options& options, const Format& format, const std::string& path) {
+std::vector<std::string> write_covers(const Options& options, const Format& format, const std::string& path) {
   std::vector<std::string> files;
-  for (const design::Design& cover : read_covers(options.design)) {
+  for (design::Design& cover : read_covers(options.design)) {
     const std::filesystem::path whole(path);
     files.push_back(
         (whole.parent_path() / (whole.stem().string() + "." + cover.name + whole.extension().string())).string());
-    write_output(files.back(), format.write(cover, options));
+    write_output(files.back(), format.write({std::move(cover), {{}}}, options));
   }
   return files;
 }
@@ -145,13 +135,15 @@ int run(const Options& options, Output& output) {
   std::vector<std::string> files{path};
   if (is_recording(options.design)) {
     write_output(path, recorded_page(options, output));
-  } else if (is_sheet(format) && robot::is_robot_file(options.design)) {
-    if (path == "-") throw InputError("export: a robot has a sheet for each cover; give -o a file");
-    files = write_sheets(options, format, path);
+  } else if (format.has_file_a_cover && robot::is_robot_file(options.design)) {
+    if (path == "-")
+      throw InputError(fmt::format("export: the format {} has a file for each cover of a robot; give -o a file",
+                                   options.format.empty() ? extension_of(options.output) : options.format));
+    files = write_covers(options, format, path);
   } else {
-    const design::Design design = robot::read_shown(options.design);
-    if (!robot::is_robot_file(options.design)) say_if_changed(design, options.design, output);
-    write_output(path, format.write(design, options));
+    const ShownDesign shown = read_shown_design(options.design, false);
+    if (!robot::is_robot_file(options.design)) say_if_changed(shown.design, options.design, output);
+    write_output(path, format.write(shown, options));
   }
   output.result = {{"files", files}};
   for (const std::string& file : files) output.say(file);

@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "calibration_options.hpp"
 #include "design_argument.hpp"
@@ -87,24 +89,42 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
   return fmt::format("#module-{}", design::number_of(design, design.patches[patch].entry));
 }
 
-// The page shows N if the controllers answer and have a calibration; for a robot it shows counts. Standard output is
-// reserved for the address.
-design::SkinCalibration calibration_now(const Options& options, std::optional<skin::LiveSkin>& skin,
-                                        const Output& output) {
-  if (!skin || skin->site().is_robot) return {};
+// The page shows kPa and N if all controllers answer and have a calibration. Standard output is reserved for the
+// address.
+struct Calibrations {
+  std::vector<std::vector<design::SkinCalibration>> of_buses;  // as ShownSkin has them
+  std::vector<double> counts_per_kpa;                          // as view::Notes has them
+};
+Calibrations calibrations_now(const Options& options, std::optional<skin::LiveSkin>& skin, const ShownDesign& shown,
+                              const Output& output) {
+  if (!skin) return {};
   const Output aside(output.json(), true);
-  skin::LiveBus& bus = *skin->buses().front();
-  design::SkinCalibration calibration;
-  try {
-    bus.open();
-    bus.find_controllers(skin::RestSource::kNone);
-    calibrate_cover(options.calibration, bus, bus.covers().front(), aside);
-    calibration = bus.covers().front().calibration();
-  } catch (const DeviceError&) {
-    // The page reports problems of the link.
+  Calibrations found;
+  found.counts_per_kpa.resize(layout::kTaxelsPerModule * shown.design.layout.modules.size());
+  bool is_complete = true;
+  for (const auto& bus : skin->buses()) {
+    std::vector<design::SkinCalibration> here;
+    try {
+      bus->open();
+      bus->find_controllers(skin::RestSource::kNone);
+      for (skin::LiveCover& cover : bus->covers()) {
+        calibrate_cover(options.calibration, *bus, cover, aside);
+        here.push_back(cover.calibration());
+        const std::vector<double> counts = view::counts_per_kpa_of(here.back());
+        is_complete = is_complete && !counts.empty();
+        // A part of the cover may hang on another bus, whose calibration has the other modules.
+        const auto first =
+            static_cast<std::size_t>(shown.offsets[static_cast<std::size_t>(cover.config().cover)].module);
+        for (std::size_t k = 0; k < counts.size(); ++k)
+          if (counts[k] > 0.0) found.counts_per_kpa.at(layout::kTaxelsPerModule * first + k) = counts[k];
+      }
+    } catch (const DeviceError&) {
+      is_complete = false;  // The page reports problems of the link.
+    }
+    bus->close();
+    found.of_buses.push_back(std::move(here));
   }
-  bus.close();
-  return calibration;
+  return is_complete ? found : Calibrations{};
 }
 
 // The page itself plays a recording, so the server has no live skin.
@@ -142,8 +162,8 @@ int run(const Options& options, Output& output) {
   live.set_health({has_link ? options.link.link : "none", false, "", 0, 0});
   CommandQueue commands(skin ? skin->buses().size() : 1);
   catch_interrupts();
-  const design::SkinCalibration calibration = calibration_now(options, skin, output);
-  shown.notes.counts_per_kpa = view::counts_per_kpa_of(calibration);
+  Calibrations calibrations = calibrations_now(options, skin, shown, output);
+  shown.notes.counts_per_kpa = std::move(calibrations.counts_per_kpa);
   shown.notes.has_switched_modules = options.link.switched;
   const view::Server server(view::site_of(shown.design, {}, shown.notes), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
@@ -159,7 +179,7 @@ int run(const Options& options, Output& output) {
     }
     const bool by_file = skin->site().is_robot && !options.link.chosen;
     totals = feed(*skin, by_file ? skin->site().name : options.link.link, options.stream,
-                  {shown.design, shown.offsets, calibration}, live, commands);
+                  {shown.design, shown.offsets, std::move(calibrations.of_buses)}, live, commands);
   } else {
     wait_for_interrupt();
   }

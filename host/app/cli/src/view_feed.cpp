@@ -96,10 +96,13 @@ class Feed {
     const layout::SkinModule module{first_module(bus_.covers()[static_cast<std::size_t>(s.cover)]) + s.module};
     live_.add(module, {s.raw.sample.state, s.valid, s.change_counts}, pace().unix_us(s.raw.link_time_us));
   }
-  void show_contacts(const skin::LiveCover& cover) {
+  // `index`: of the cover on its bus.
+  void show_contacts(const skin::LiveCover& cover, std::size_t index) {
     const layout::SkinModule first = first_module(cover);
+    const design::SkinCalibration calibration =
+        shown_.calibrations.empty() ? design::SkinCalibration() : shown_.calibrations.at(bus_.index()).at(index);
     std::vector<view::LatestSamples::Contact> contacts;
-    for (const skin::SkinContact& c : skin::contacts_of(cover.touches(), cover.design(), shown_.calibration)) {
+    for (const skin::SkinContact& c : skin::contacts_of(cover.touches(), cover.design(), calibration)) {
       const auto module = static_cast<std::size_t>(c.taxels.front().module);
       contacts.push_back(shown_contact(c, first));
       contacts.back().position_mm = moved(c.position_mm, cover.design().layout.modules[module],
@@ -114,7 +117,7 @@ class Feed {
     pace().hold(bus_.now_us());
     if (Clock::now() >= next_contacts_) {
       next_contacts_ = Clock::now() + view::LatestSamples::kContactsEvery;
-      for (const skin::LiveCover& cover : bus_.covers()) show_contacts(cover);
+      for (std::size_t c = 0; c < bus_.covers().size(); ++c) show_contacts(bus_.covers()[c], c);
     }
     if (Clock::now() < next_health_) return true;
     next_health_ = Clock::now() + kHealthEvery;

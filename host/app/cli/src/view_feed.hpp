@@ -32,7 +32,8 @@ class CommandQueue {
 struct ShownSkin {
   const design::Design& design;                     ///< All covers as the page shows them.
   const std::vector<design::CoverOffset>& offsets;  ///< The ids of the modules of each cover of the robot file.
-  const design::SkinCalibration& calibration;       ///< It gives forces if there is one cover and it is complete.
+  /// Of each bus, of each of its covers: it gives forces. Empty unless the calibration of all is complete.
+  std::vector<std::vector<design::SkinCalibration>> calibrations{};
 };
 
 /// Reads the streams of all buses of a skin into `live` until the process is asked to end, all buses in parallel.

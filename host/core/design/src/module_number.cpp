@@ -18,6 +18,14 @@ ModuleNumber number_of(const Design& design, int id) {
   return number_of(design.layout, id);
 }
 
+const NamedCover* cover_of(const Design& design, int id) {
+  const NamedCover* cover = nullptr;
+  for (const NamedCover& c : design.covers) {
+    if (c.first.module.value() <= id) cover = &c;
+  }
+  return cover;
+}
+
 layout::ModuleId module_with(const ModuleLayout& layout, ModuleNumber number) {
   const auto count = static_cast<int>(layout.modules.size());
   if (layout.numbers.empty())
@@ -61,6 +69,12 @@ int next_number(const Design& design) {
 void require_fitting_number(const Design& design, int number) {
   const bool has_kinds = !design.kinds.empty();
   const int max = has_kinds ? kMaxModuleNumberWithKinds : kMaxModuleNumber;
+  const std::size_t modules = design.layout.modules.size();
+  if (number > max && modules > static_cast<std::size_t>(max) + 1) {
+    throw InputError(fmt::format(
+        "A design has at most {} modules{}, this one {}: divide the part, one design for each piece{}", max + 1,
+        has_kinds ? " where there are kinds" : "", modules, has_kinds ? ", or leave the kinds out" : ""));
+  }
   if (number > max) {
     throw InputError(
         fmt::format("The numbers of modules end at {}{}, and those of modules that are gone are not given again; make "

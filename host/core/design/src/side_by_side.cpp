@@ -97,6 +97,7 @@ SideBySide side_by_side(std::span<const PlacedCover> covers) {
                              all.layout.islands};
     append(all, *c.design, offset, c.pose);
     joint.offsets.push_back(offset);
+    all.covers.push_back({c.design->name, offset});
     all.name += (all.name.empty() ? "" : " + ") + c.design->name;
   }
   all.design_id = design_id_of(all);

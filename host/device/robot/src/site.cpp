@@ -164,12 +164,4 @@ design::SideBySide in_base(const Assembly& a) {
   return joint;
 }
 
-design::Design read_shown(const std::filesystem::path& path) {
-  if (!is_robot_file(path)) return design::read_design(path);
-  design::SideBySide joint = in_base(read_assembly(path));
-  // Covers have equal numbers; in a file of all of them the modules are numbered through.
-  if (joint.offsets.size() > 1) joint.design.layout.numbers.clear();
-  return std::move(joint.design);
-}
-
 }  // namespace triskin::robot

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "design_view.hpp"
+#include "module_names.hpp"
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/csv_field.hpp"
 #include "triskin/base/markup.hpp"
@@ -77,6 +78,12 @@ void add_modules(const design::Design& d, const View& view, const std::vector<de
                                   "font-family=\"sans-serif\" font-size=\"6\" stroke=\"#fff\" stroke-width=\"1.2\" "
                                   "paint-order=\"stroke\">{}</text>\n",
                                   at.x(), at.y() + 6.5, design::number_of(d, static_cast<int>(k)))});
+    // Of a robot the name of the cover stands under the number, so small that it fits into the module.
+    if (const design::NamedCover* cover = design::cover_of(d, static_cast<int>(k)))
+      shapes.push_back({view.height(centroid(m)) + 3e6,
+                        fmt::format("<text class=\"cover\" x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\" "
+                                    "font-family=\"sans-serif\" font-size=\"2.5\">{}</text>\n",
+                                    at.x(), at.y() - 2.5, escape_markup(cover->name))});
   }
 }
 
@@ -141,18 +148,15 @@ std::string picture_svg(const design::Design& design) {
   return svg;
 }
 
-std::string taxels_csv(const design::Design& design, std::span<const NamedCover> covers) {
-  const std::array<NamedCover, 1> alone{NamedCover{design.name, {}}};
-  if (covers.empty()) covers = alone;
+std::string taxels_csv(const design::Design& design) {
   std::string csv = "cover,module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz";
   csv += design.kinds.empty() ? "\n" : ",kind\n";
   const auto wiring = design::wiring_of(design);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    while (covers.size() > 1 && k >= static_cast<std::size_t>(covers[1].first.module)) covers = covers.subspan(1);
-    const auto& [name, first] = covers.front();
-    const std::string cover = csv_field(for_terminal(name));  // Tables are also read in a terminal.
-    const design::ModuleNumber module = design::number_of(design, static_cast<int>(k));
-    const int patch = wiring[k].patch < 0 ? -1 : wiring[k].patch - first.patch;
+    const int id = static_cast<int>(k);
+    const std::string cover = csv_field(for_terminal(cover_name(design, id)));  // Tables are also read in a terminal.
+    const design::ModuleNumber module = design::number_of(design, id);
+    const int patch = patch_in_cover(design, id, wiring[k].patch);
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {
       const auto& [p, n] = taxels[t];
@@ -182,10 +186,13 @@ std::string modules_obj(const design::Design& design) {
     corners = outline.size;
     for (const design::Vec3& c : outline.points()) obj += fmt::format("v {:.6f} {:.6f} {:.6f}\n", c.x(), c.y(), c.z());
   }
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    obj += fmt::format("g patch_{}\n", p);
-    for (const auto& m : design.patches[p].modules)
-      obj += face_line(corners * static_cast<std::size_t>(m.node), corners);
+  const auto wiring = design::wiring_of(design);
+  for (std::size_t k = 0; k < wiring.size(); ++k) {
+    const int id = static_cast<int>(k), patch = patch_in_cover(design, id, wiring[k].patch);
+    std::string cover;
+    if (const design::NamedCover* c = design::cover_of(design, id)) cover = ascii_name(c->name, "", "cover") + "_";
+    obj += "g " + module_name(design, id) + (patch < 0 ? "" : fmt::format(" {}patch_{}", cover, patch)) + "\n";
+    obj += face_line(corners * k, corners);
   }
   return obj;
 }

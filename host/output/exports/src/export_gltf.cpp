@@ -8,6 +8,7 @@
 #include <ranges>
 
 #include "metres.hpp"
+#include "module_names.hpp"
 #include "triskin/base/base64.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/design/module_number.hpp"
@@ -121,22 +122,26 @@ void add_taxel_shapes(json& gltf, Buffer& buffer) {
   gltf["meshes"].push_back(mesh("temperature pad", disc, rim, 3));
 }
 
-json taxel_node(const design::Vec3& in_module_mm, design::ModuleNumber module, std::size_t taxel) {
+json taxel_node(const design::Vec3& in_module_mm, const design::Design& design, int id, std::size_t taxel) {
   const bool pressure = layout::measures_pressure(taxel);
   // The small offset keeps the taxel visible above its module.
   const design::Vec3 lifted(in_module_mm.x(), in_module_mm.y(), in_module_mm.z() + 0.1);
-  return {{"name", fmt::format("module_{}_taxel_{}", module, taxel)},
+  json extras = {
+      {"module", design::number_of(design, id)}, {"taxel", taxel}, {"measures", pressure ? "pressure" : "temperature"}};
+  if (!design.covers.empty()) extras["cover"] = cover_name(design, id);
+  return {{"name", fmt::format("{}_taxel_{}", module_name(design, id), taxel)},
           {"mesh", pressure ? 2 : 3},
           {"translation", vector_of(lifted * kMetres_per_mm)},
-          {"extras", {{"module", module}, {"taxel", taxel}, {"measures", pressure ? "pressure" : "temperature"}}}};
+          {"extras", std::move(extras)}};
 }
 
-json module_extras(const design::Design& design, const design::ModuleWiring& wiring, std::size_t id) {
-  const design::PlacedModule& m = design.layout.modules[id];
-  json extras = {{"module", design::number_of(design, static_cast<int>(id))},
-                 {"island", m.island},
-                 {"patch", wiring.patch},
+json module_extras(const design::Design& design, const design::ModuleWiring& wiring, int id) {
+  const design::PlacedModule& m = design.layout.modules[static_cast<std::size_t>(id)];
+  json extras = {{"module", design::number_of(design, id)},
+                 {"island", island_in_cover(design, id, m.island)},
+                 {"patch", patch_in_cover(design, id, wiring.patch)},
                  {"neighbours", design::numbers_of(design, m.neighbour)}};
+  if (!design.covers.empty()) extras["cover"] = cover_name(design, id);
   if (wiring.patch < 0) return extras;
   const design::RoutedModule& r = wiring.routed;
   extras.update(json{{"node_address", design::node_address_of(design, wiring.patch)},
@@ -153,17 +158,16 @@ int push(json& list, json value) {
   return static_cast<int>(list.size()) - 1;
 }
 
-int add_module(json& nodes, const design::Design& design, const design::ModuleWiring& wiring, std::size_t id) {
-  const design::PlacedModule& m = design.layout.modules[id];
-  const design::ModuleNumber number = design::number_of(design, static_cast<int>(id));
+int add_module(json& nodes, const design::Design& design, const design::ModuleWiring& wiring, int id) {
+  const design::PlacedModule& m = design.layout.modules[static_cast<std::size_t>(id)];
   const ModulePose frame = frame_of(m);
   json children = json::array();
   const auto taxels = design::taxels_of(m, wiring.routed.rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t)
     children.push_back(
-        push(nodes, taxel_node(frame.axes.transpose() * (taxels[t].position_mm - frame.origin_mm), number, t)));
+        push(nodes, taxel_node(frame.axes.transpose() * (taxels[t].position_mm - frame.origin_mm), design, id, t)));
   const Eigen::Quaterniond q(frame.axes);
-  return push(nodes, {{"name", fmt::format("module_{}", number)},
+  return push(nodes, {{"name", module_name(design, id)},
                       {"mesh", 1},
                       {"translation", vector_of(frame.origin_mm * kMetres_per_mm)},
                       {"rotation", {q.x(), q.y(), q.z(), q.w()}},
@@ -188,21 +192,20 @@ int add_jumper(json& gltf, json& nodes, Buffer& buffer, const design::Design& de
   gltf["meshes"].push_back(
       {{"name", name},
        {"primitives", {{{"attributes", {{"POSITION", buffer.add_points(ends)}}}, {"mode", kLines}, {"material", 4}}}}});
-  return push(nodes, {{"name", name},
-                      {"mesh", gltf["meshes"].size() - 1},
-                      {"extras",
-                       {{"jumper", index},
-                        {"kind", design::kJumperKindNames.name(j.kind)},
-                        {"modules", design::numbers_of(design, j.node)},
-                        {"sides", j.side},
-                        {"length_mm", j.length_mm}}}});
+  json extras = {{"jumper", index},
+                 {"kind", design::kJumperKindNames.name(j.kind)},
+                 {"modules", design::numbers_of(design, j.node)},
+                 {"sides", j.side},
+                 {"length_mm", j.length_mm}};
+  if (!design.covers.empty()) extras["cover"] = cover_name(design, j.node[0]);
+  return push(nodes, {{"name", name}, {"mesh", gltf["meshes"].size() - 1}, {"extras", std::move(extras)}});
 }
 
 json add_nodes(json& nodes, const design::Design& design) {
   const auto wiring = design::wiring_of(design);
   json children = json::array({push(nodes, {{"name", "cover"}, {"mesh", 0}})});
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-    children.push_back(add_module(nodes, design, wiring[k], k));
+    children.push_back(add_module(nodes, design, wiring[k], static_cast<int>(k)));
   return children;
 }
 

@@ -8,7 +8,6 @@
 #include "metres.hpp"
 #include "simulator_taxels.hpp"
 #include "triskin/base/markup.hpp"
-#include "triskin/design/module_number.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/exports/export.hpp"
 #include "triskin/exports/simulators.hpp"
@@ -37,11 +36,10 @@ std::string plate_vertices(double corner_cut_mm) {
   return text;
 }
 
-std::string module_body(const std::string& name, design::ModuleNumber module, const design::PlacedModule& placed,
-                        MjcfTouch touch) {
-  const ModulePose pose = frame_of(placed);
+std::string module_body(const std::string& name, const design::Design& design, int id, MjcfTouch touch) {
+  const ModulePose pose = frame_of(design.layout.modules[static_cast<std::size_t>(id)]);
   const Eigen::Quaterniond q(pose.axes);
-  const std::string link = link_name(name, module);
+  const std::string link = link_name(design, id);
   std::string xml = fmt::format(
       "      <body name=\"{0}\" pos=\"{1}\" quat=\"{2:.9g} {3:.9g} {4:.9g} {5:.9g}\">\n"
       "        <geom name=\"{0}_plate\" class=\"{6}_plate\" type=\"mesh\" mesh=\"{6}_plate\"/>\n",
@@ -74,7 +72,7 @@ std::string sensors(const design::Design& design, const std::string& name, MjcfT
     return fmt::format("    <tactile name=\"{0}_tactile\" geom=\"{0}_taxels\" mesh=\"{0}_taxels\"/>\n", name);
   std::string xml;
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m) {
-    const std::string link = link_name(name, design::number_of(design, static_cast<int>(m)));
+    const std::string link = link_name(design, static_cast<int>(m));
     xml += fmt::format("    <touch name=\"{0}\" site=\"{0}_touch\"/>\n", link);
   }
   return xml;
@@ -88,8 +86,7 @@ std::string fixing(const design::Design& design, const std::string& name, const 
       "  </equality>\n  <contact>\n",
       name, body);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m)
-    xml += fmt::format("    <exclude body1=\"{}\" body2=\"{}\"/>\n", body,
-                       link_name(name, design::number_of(design, static_cast<int>(m))));
+    xml += fmt::format("    <exclude body1=\"{}\" body2=\"{}\"/>\n", body, link_name(design, static_cast<int>(m)));
   return xml + "  </contact>\n";
 }
 
@@ -113,7 +110,7 @@ std::string mjcf(const design::Design& design, MjcfTouch touch, const std::strin
         "group=\"3\"/>\n",
         name);
   for (std::size_t m = 0; m < design.layout.modules.size(); ++m)
-    xml += module_body(name, design::number_of(design, static_cast<int>(m)), design.layout.modules[m], touch);
+    xml += module_body(name, design, static_cast<int>(m), touch);
   xml += "    </body>\n  </worldbody>\n  <sensor>\n" + sensors(design, name, touch);
   xml += "  </sensor>\n";
   if (!robot_body.empty()) xml += fixing(design, name, robot_body);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "metres.hpp"
+#include "module_names.hpp"
 #include "simulator_taxels.hpp"
 #include "triskin/base/markup.hpp"
 #include "triskin/design/module_number.hpp"
@@ -51,17 +52,19 @@ Pose box_pose_of(const design::PlacedModule& m, double corner_cut_mm) {
 }
 
 // Returns one row for each taxel: position and normal in the module's frame.
-std::string taxel_rows(const design::PlacedModule& m, const design::ModuleWiring& wiring, design::ModuleNumber id) {
+std::string taxel_rows(const design::Design& design, const design::ModuleWiring& wiring, int id) {
+  const design::PlacedModule& m = design.layout.modules[static_cast<std::size_t>(id)];
   const ModulePose frame = frame_of(m);
+  const std::string cover = design.covers.empty() ? "" : " cover=\"" + escape_markup(cover_name(design, id)) + "\"";
   std::string rows;
   const auto taxels = design::taxels_of(m, wiring.routed.rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     const design::Vec3 at = frame.axes.transpose() * (taxels[t].position_mm - frame.origin_mm) * kMetres_per_mm;
     const design::Vec3 normal = frame.axes.transpose() * taxels[t].normal;
     rows += fmt::format(
-        "      <triskin:taxel module=\"{}\" index=\"{}\" measures=\"{}\" frame=\"module_{}\" xyz=\"{}\" "
-        "normal=\"{}\"/>\n",
-        id, t, layout::measures_pressure(t) ? "pressure" : "temperature", id, numbers(at), numbers(normal));
+        "      <triskin:taxel{} module=\"{}\" index=\"{}\" measures=\"{}\" frame=\"{}\" xyz=\"{}\" normal=\"{}\"/>\n",
+        cover, design::number_of(design, id), t, layout::measures_pressure(t) ? "pressure" : "temperature",
+        module_name(design, id), numbers(at), numbers(normal));
   }
   return rows;
 }
@@ -72,7 +75,7 @@ std::string taxel_table(const design::Design& design, const std::vector<design::
       "taxels_per_module=\"{}\">\n",
       design.design_id, design.layout.modules.size(), layout::kTaxelsPerModule);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-    table += taxel_rows(design.layout.modules[k], wiring[k], design::number_of(design, static_cast<int>(k)));
+    table += taxel_rows(design, wiring[k], static_cast<int>(k));
   return table + "    </triskin:skin>\n";
 }
 
@@ -102,11 +105,11 @@ std::string urdf(const design::Design& design) {
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = pose_of(design.layout.modules[k]);
     xml += fmt::format(
-        "  <link name=\"module_{0}\">\n    <visual>\n      <origin xyz=\"0 {1:.9g} 0\"/>\n      <geometry><box "
+        "  <link name=\"{0}\">\n    <visual>\n      <origin xyz=\"0 {1:.9g} 0\"/>\n      <geometry><box "
         "size=\"{2}\"/></geometry>\n    </visual>\n  </link>\n"
-        "  <joint name=\"cover_to_module_{0}\" type=\"fixed\">\n    <parent link=\"cover\"/>\n    <child "
-        "link=\"module_{0}\"/>\n    <origin xyz=\"{3}\" rpy=\"{4}\"/>\n  </joint>\n",
-        design::number_of(design, static_cast<int>(k)), box_shift_mm(design.layout.corner_cut_mm) * kMetres_per_mm,
+        "  <joint name=\"cover_to_{0}\" type=\"fixed\">\n    <parent link=\"cover\"/>\n    <child "
+        "link=\"{0}\"/>\n    <origin xyz=\"{3}\" rpy=\"{4}\"/>\n  </joint>\n",
+        module_name(design, static_cast<int>(k)), box_shift_mm(design.layout.corner_cut_mm) * kMetres_per_mm,
         plate_size(design.layout.corner_cut_mm), pose.xyz_m, pose.rpy_rad);
   }
   return xml + taxel_table(design, wiring) + "</robot>\n";
@@ -121,17 +124,16 @@ std::string sdf(const design::Design& design) {
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = box_pose_of(design.layout.modules[k], design.layout.corner_cut_mm);
     xml += fmt::format(
-        "      <visual name=\"module_{}\">\n        <pose>{} {}</pose>\n        "
+        "      <visual name=\"{}\">\n        <pose>{} {}</pose>\n        "
         "<geometry><box><size>{}</size></box></geometry>\n"
         "      </visual>\n",
-        design::number_of(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad,
-        plate_size(design.layout.corner_cut_mm));
+        module_name(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad, plate_size(design.layout.corner_cut_mm));
   }
   xml += "    </link>\n";
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const Pose pose = pose_of(design.layout.modules[k]);
-    xml += fmt::format("    <frame name=\"module_{}\" attached_to=\"cover\"><pose>{} {}</pose></frame>\n",
-                       design::number_of(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad);
+    xml += fmt::format("    <frame name=\"{}\" attached_to=\"cover\"><pose>{} {}</pose></frame>\n",
+                       module_name(design, static_cast<int>(k)), pose.xyz_m, pose.rpy_rad);
   }
   return xml + taxel_table(design, wiring) + "  </model>\n</sdf>\n";
 }

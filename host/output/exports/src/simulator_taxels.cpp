@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "metres.hpp"
+#include "module_names.hpp"
 #include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/exports/simulators.hpp"
@@ -36,8 +37,8 @@ std::string simulator_name(const design::Design& design) {
   return is_reserved_in_simulators(name) ? name + "_skin" : name;
 }
 
-std::string link_name(const std::string& design_name, design::ModuleNumber module) {
-  return fmt::format("{}_module_{}", design_name, module);
+std::string link_name(const design::Design& design, int id) {
+  return simulator_name(design) + "_" + module_name(design, id);
 }
 
 }  // namespace triskin::exports

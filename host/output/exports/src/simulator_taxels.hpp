@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/design/module_number.hpp"
 
 namespace triskin::exports {
 
@@ -23,7 +22,7 @@ struct SimulatorTaxel {
 /// Returns the name of the design reduced to letters, digits and "_", as the base of other names; a reserved name ends
 /// in "_skin".
 [[nodiscard]] std::string simulator_name(const design::Design& design);
-/// Returns the name of a module's body.
-[[nodiscard]] std::string link_name(const std::string& design_name, design::ModuleNumber module);
+/// Returns the name of a module's body: that of the design and module_name().
+[[nodiscard]] std::string link_name(const design::Design& design, int id);
 
 }  // namespace triskin::exports

@@ -33,6 +33,7 @@ void write_table(hid_t file, const TableColumn& column, hsize_t rows, hsize_t co
 }
 
 struct Rows {
+  std::vector<std::string> cover;
   std::vector<int> module, taxel, patch, line, address, pressure;
   std::vector<double> position_mm, normal;
 };
@@ -41,11 +42,14 @@ Rows rows_of(const design::Design& design) {
   Rows rows;
   const auto wiring = design::wiring_of(design);
   for (std::size_t k = 0; k < wiring.size(); ++k) {
+    const design::NamedCover* cover = design::cover_of(design, static_cast<int>(k));
+    const int first_patch = cover == nullptr ? 0 : cover->first.patch;
     const auto taxels = design::taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {
+      rows.cover.push_back(cover == nullptr ? design.name : cover->name);
       rows.module.push_back(design::number_of(design, static_cast<int>(k)).value);
       rows.taxel.push_back(static_cast<int>(t));
-      rows.patch.push_back(wiring[k].patch);
+      rows.patch.push_back(wiring[k].patch < 0 ? -1 : wiring[k].patch - first_patch);
       rows.line.push_back(wiring[k].patch < 0 ? -1 : wiring[k].routed.line);
       rows.address.push_back(wiring[k].patch < 0 ? -1 : wiring[k].routed.address);
       rows.pressure.push_back(layout::measures_pressure(t) ? 1 : 0);
@@ -63,10 +67,16 @@ void write_rows(hid_t file, const Rows& rows) {
   const auto list = [&](const TableColumn& column, const std::vector<int>& values) {
     write_table(file, column, n, 1, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
   };
-  list({"module", "1", "number in the design; of a robot in that of its cover, one cover after the other"},
-       rows.module);
+  const Handle text(H5Tcopy(H5T_C_S1), H5Tclose, "cover");
+  require(H5Tset_size(text.id(), H5T_VARIABLE), "cover");
+  require(H5Tset_cset(text.id(), H5T_CSET_UTF8), "cover");
+  std::vector<const char*> covers;
+  for (const std::string& name : rows.cover) covers.push_back(name.c_str());
+  write_table(file, {"cover", "1", "name of the cover: of the design, or of its cover on a robot"}, n, 1, text.id(),
+              text.id(), covers.data());
+  list({"module", "1", "number in the design of its cover"}, rows.module);
   list({"taxel", "1", "input of the converter, 0 to 11"}, rows.taxel);
-  list({"patch", "1", "controller, -1: none"}, rows.patch);
+  list({"patch", "1", "patch (controller) in the design of its cover, -1: none"}, rows.patch);
   list({"line", "1", "I2C line 0 to 3, -1: none"}, rows.line);
   list({"address", "1", "address strap 0 to 3, -1: none"}, rows.address);
   list({"measures_pressure", "1", "1: pressure, 0: temperature"}, rows.pressure);

@@ -9,15 +9,21 @@ import {ISLAND_GAP_MM, Model, TAXELS} from "./model.js";
 
 const MAX_NUMBERS = 500, CELL = 64; // the latter in pixels
 
+const boxAround = (x, y, wide, high) => [x - wide / 2, y - high / 2, x + wide / 2, y + high / 2];
+
 /** Where labels lie already: rectangles, each listed with the cells that it touches. */
 class Occupied {
   cells = new Map();
   /** Takes a place if it is free. @returns {boolean} */
   take(x, y, wide, high) {
-    const box = [x - wide / 2, y - high / 2, x + wide / 2, y + high / 2], cells = this.cellsOf(box);
-    if (cells.some((list) => list.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]))) return false;
-    for (const list of cells) list.push(box);
+    if (!this.isFree(x, y, wide, high)) return false;
+    const box = boxAround(x, y, wide, high);
+    for (const list of this.cellsOf(box)) list.push(box);
     return true;
+  }
+  isFree(x, y, wide, high) {
+    const box = boxAround(x, y, wide, high);
+    return !this.cellsOf(box).some((list) => list.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]));
   }
   /** @param {number[]} box @returns {number[][][]} */
   cellsOf([left, top, right, bottom]) {
@@ -90,22 +96,35 @@ export class Labels {
   namesFor({camera}, withJumpers) {
     const key = `${camera.matrix.join()} ${camera.width} ${this.model.shownVersion} ${withJumpers}`;
     if (this.placed?.key !== key) {
-      const occupied = new Occupied(), names = this.placeNames(camera, occupied);
+      const occupied = new Occupied(), names = this.placeNames(camera, occupied, withJumpers ? this.stubsOf(camera) : new Occupied());
       this.placed = {key, names, jumpers: withJumpers ? this.placeJumpers(camera, occupied) : []};
     }
     return this.placed;
   }
 
-  // An island has its number alone where the name has no room beside the next one.
-  placeNames(camera, occupied) {
+  // Where the stubs of jumpers are drawn.
+  stubsOf(camera) {
+    const {model} = this, stubs = new Occupied();
+    model.data.jumpers.forEach((jumper) => [0, 1].forEach((end) => {
+      if (!model.shows(jumper.modules[end])) return;
+      const {from, to} = stubOf(model, jumper, end), [x, y] = camera.project(from), [u, v] = camera.project(to);
+      for (const part of [0, 0.25, 0.5, 0.75, 1]) stubs.take(x + part * (u - x), y + part * (v - y), 4, 4);
+    }));
+    return stubs;
+  }
+
+  // An island has its name at its left end, or at its right one where a stub lies there; its number alone where the name has no room beside the next one.
+  placeNames(camera, occupied, stubs) {
     const {paint, model} = this, placed = /** @type {Label[]} */ ([]);
     paint.font = NAME_FONT;
     model.islandCorners.forEach((corner, island) => {
-      const [x, y] = camera.project(corner), room = (model.islandWidths[island] + ISLAND_GAP_MM) / camera.mm_per_pixel;
-      for (const text of [model.islandName(island), model.islandName(island).replace(/^.* /, "")]) {
-        const wide = paint.measureText(text).width, box = /** @type {Box} */ ([x + wide / 2, y - 8, wide, 12]);
-        if (wide > room || !occupied.take(...box)) continue;
-        placed.push({text, x, y: y - 2, box});
+      const [x, y] = camera.project(corner), across = model.islandWidths[island] / camera.mm_per_pixel, room = across + ISLAND_GAP_MM / camera.mm_per_pixel;
+      const name = model.islandName(island), number = name.replace(/^.* /, ""), right = (text) => x + Math.max(0, across - paint.measureText(text).width);
+      const tries = /** @type {[string, number, boolean][]} */ ([[name, x, true], [name, right(name), true], [number, x, true], [number, right(number), true], [number, x, false]]);
+      for (const [text, left, isClear] of tries) {
+        const wide = paint.measureText(text).width, box = /** @type {Box} */ ([left + wide / 2, y - 8, wide, 12]);
+        if (wide > room || (isClear && !stubs.isFree(...box)) || !occupied.take(...box)) continue;
+        placed.push({text, x: left, y: y - 2, box});
         break;
       }
     });

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -242,8 +243,19 @@ bool is_the_part(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   return !has_moved && !is_little;
 }
 
+// The limit ends the search. What follows grows with the part, and no rule may stay unchecked for it.
+void say_time_beyond(double limit_s, double took_s, std::size_t modules, const Output& output) {
+  constexpr double kNoticed_s = 2.0;
+  if (limit_s <= 0.0 || took_s < limit_s + kNoticed_s || took_s < 1.5 * limit_s) return;
+  output.say(
+      fmt::format("It took {:.1f} s: --time-limit-s {:g} limits the search; reading, wiring, the check of every rule "
+                  "and the file of {} take the rest",
+                  took_s, limit_s, counted(modules, "module")));
+}
+
 int run(Options options, Output& output) {
   catch_interrupts();
+  const auto start = std::chrono::steady_clock::now();
   require_design_output(options.output);
   options.verbosity.apply(output);
   read_files(options);
@@ -268,6 +280,8 @@ int run(Options options, Output& output) {
     return 1;
   }
   const bool is_covered = report_design(d, notes, options, output);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  say_time_beyond(options.design.time_limit_s, took.count(), d.layout.modules.size(), output);
   return is_the_part(d, notes, output) && is_covered && check->keeps_all_rules() ? part_status : 1;
 }
 
@@ -349,7 +363,8 @@ void add_files(CLI::App& app, Options& o) {
 }
 
 void add_search(CLI::App& app, Options& o) {
-  app.add_option("--time-limit-s", o.design.time_limit_s, "time limit of the search")
+  app.add_option("--time-limit-s", o.design.time_limit_s,
+                 "time limit of the search; check and file of a large part take more")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_option("--method", o.design.method,

@@ -39,6 +39,17 @@ struct PartSide {
   Mesh part;  ///< The whole part is kept in mm; with `both` the mesh is empty.
 };
 
+/// The offsets are added to the ids of a cover's modules, patches and islands in a joint design.
+struct CoverOffset {
+  layout::SkinModule module;
+  int patch = 0, island = 0;
+};
+/// A cover of a joint design, and where its ids begin in it.
+struct NamedCover {
+  std::string name;
+  CoverOffset first;
+};
+
 /// Design of a cover: the only data that geometry hands to the device side (docs/design_file.md has the schema). The id
 /// of a module is its index in layout.modules; in a design, the nodes of Patch are these ids.
 struct Design {
@@ -94,6 +105,9 @@ struct Design {
   /// one.
   int next_number = 0;
   std::vector<Patch> patches;
+  /// Those that side_by_side() joined, ascending; a design file has none. Numbers are those of the covers, so that a
+  /// module is named by both.
+  std::vector<NamedCover> covers;
   /// Each patch's controller has its node address here; 0 means that it is on another bus than the current one. If the
   /// list is empty, patch p has address p + 1. A robot file assigns the addresses (docs/robot.md), so they are
   /// neither in the design file nor in its id.

@@ -33,6 +33,9 @@ inline constexpr int kMaxModuleNumber = 0xFFFF, kMaxModuleNumberWithKinds = 0x1F
 [[nodiscard]] ModuleNumber number_of(const ModuleLayout& layout, int id);
 [[nodiscard]] ModuleNumber number_of(const Design& design, int id);
 
+/// Returns the cover of a joint design that module `id` belongs to, or null for a design of one cover. Cost: O(covers).
+[[nodiscard]] const NamedCover* cover_of(const Design& design, int id);
+
 /// Returns the module with this number, or −1. Cost: O(log n).
 [[nodiscard]] layout::ModuleId module_with(const ModuleLayout& layout, ModuleNumber number);
 [[nodiscard]] layout::ModuleId module_with(const Design& design, ModuleNumber number);

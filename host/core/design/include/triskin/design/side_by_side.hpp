@@ -14,15 +14,9 @@ struct PlacedCover {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< The pose maps the mesh frame to the common frame, in mm.
 };
 
-/// The offsets are added to the ids of a cover's modules, patches and islands in the joint design.
-struct CoverOffset {
-  layout::SkinModule module;
-  int patch = 0, island = 0;
-};
-
 /// Several covers are joined into one design in a common frame, for pictures and for one simulated bus.
 struct SideBySide {
-  Design design;  ///< The id belongs to no file; pieces and alternatives are left out.
+  Design design;  ///< The id belongs to no file; pieces and alternatives are left out. It names its covers.
   std::vector<CoverOffset> offsets;
 };
 /// Joins `covers`, which must outlive the call. The result keeps the node addresses of the covers and the numbers of

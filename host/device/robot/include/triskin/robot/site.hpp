@@ -74,8 +74,4 @@ void choose(Site& site, const std::string& name);
 /// file is element c of the offsets. Throws as design::side_by_side does.
 [[nodiscard]] design::SideBySide in_base(const Assembly& assembly);
 
-/// Reads a file for pictures and exports: a design unchanged, or the covers of a robot joined by in_base(), the
-/// modules of several covers numbered through. Throws InputError as design::read_design and read_assembly do.
-[[nodiscard]] design::Design read_shown(const std::filesystem::path& path);
-
 }  // namespace triskin::robot

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <span>
 #include <string>
 
 #include "triskin/design/design.hpp"
-#include "triskin/design/side_by_side.hpp"
 
 namespace triskin::exports {
 
@@ -13,19 +11,14 @@ namespace triskin::exports {
 /// the entry (dot). Errors: none for a design that was read or made. Cost: O(faces + modules).
 [[nodiscard]] std::string picture_svg(const design::Design& design);
 
-/// A cover of a robot, and where its numbers begin in the joint design.
-struct NamedCover {
-  std::string name;
-  design::CoverOffset first;
-};
-
 /// Lists the taxels as CSV, one row each: cover, module, taxel, patch, line, address, position (mm) and outward unit
-/// normal in the frame of the design. `covers`: those of a joint design, ascending, whose rows then have the numbers of
-/// their own designs; empty: the design is one cover. Modules without a patch have −1 as patch. Cost: O(modules).
-[[nodiscard]] std::string taxels_csv(const design::Design& design, std::span<const NamedCover> covers = {});
+/// normal in the frame of the design. Of a joint design the rows have the numbers of their covers. Modules without a
+/// patch have −1 as patch. Cost: O(modules).
+[[nodiscard]] std::string taxels_csv(const design::Design& design);
 
-/// Exports modules as a mesh (OBJ, mm, mesh frame) named as the design (ascii_name), with one triangle per module and
-/// one group per patch. Cost: O(modules).
+/// Exports modules as a mesh (OBJ, mm, mesh frame) named as the design (ascii_name), with one face per module, which is
+/// in the groups of its name and of its patch (`module_19`, `patch_2`; of a robot `upperarm_module_19`). Cost:
+/// O(modules).
 [[nodiscard]] std::string modules_obj(const design::Design& design);
 
 /// A module has its own frame in the mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the
