@@ -35,7 +35,7 @@ as ratios within one run, with median and range of its repetitions; everything e
 
 ```
 cmake --preset host && cmake --build build/host --target triskin triskin_bench
-tools/evidence                       # all of it; about half an hour on two quiet cores
+tools/evidence                       # all of it; without `hard` ten minutes of processor time
 tools/evidence --only placement      # one section
 ```
 
