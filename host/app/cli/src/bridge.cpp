@@ -426,19 +426,19 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
   return by_cover;
 }
 
-void require_frame(const std::string& frame) {
+void require_frame(const std::string& option, const std::string& frame) {
   if (!robot::is_frame_name(frame))
-    throw InputError(
-        fmt::format("--parent \"{}\": a frame of tf2 has a name without a leading slash or blanks, such as {}", frame,
-                    frame.size() > 1 && frame.front() == '/' ? frame.substr(1) : "base_link"));
+    throw InputError(fmt::format("{} \"{}\": a frame of tf2 has a name without a leading slash or blanks, such as {}",
+                                 option, frame,
+                                 frame.size() > 1 && frame.front() == '/' ? frame.substr(1) : "base_link"));
 }
 
 int run(Options options, Output& output) {
   const char* distribution = std::getenv("ROS_DISTRO");
   const bridge::RosNode node = bridge::ros_node(ros_arguments(), distribution == nullptr ? "" : distribution);
   take_parameters(node.parameters, options);
-  require_frame(options.bridge.parent_frame);
-  if (!options.bridge.frame_prefix.empty()) require_frame(options.bridge.frame_prefix);
+  require_frame("--parent", options.bridge.parent_frame);
+  if (!options.bridge.frame_prefix.empty()) require_frame("--frame-prefix", options.bridge.frame_prefix);
   options.bridge.stop = options.stop_counts > 0.0 || options.stop_kpa > 0.0;
   output.expect_interrupt();
   robot::Site site = read_site(options.site);
