@@ -25,6 +25,7 @@ class Page:
 
     def __init__(self, name, title, options):
         self.name, self.out, self.parts, self.numbers = name, options.out, [f"# {title}"], {}
+        self.failed_only = options.failed
 
     def say(self, *paragraphs):
         self.parts += paragraphs
@@ -487,23 +488,40 @@ def streams(bench, page):
     page.say("Events that start at a threshold are not here: the firmware streams every sample and has no such mode.")
 
 
+def run_cases(program, pattern):
+    """How many tests passed and ran, and the names of those that failed."""
+    done = subprocess.run([str(program), f"--gtest_filter={pattern}", "--gtest_brief=1"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, cwd=tempfile.gettempdir())
+    ran = re.search(r"\[==========\] (\d+) tests? from", done.stdout)
+    passed = re.search(r"\[  PASSED  \] (\d+) test", done.stdout)
+    failed = re.findall(r"\[  FAILED  \] ([\w./]+)(?:, where| \()", done.stdout)
+    return int(passed[1]) if passed else 0, int(ran[1]) if ran else 0, sorted(set(failed))
+
+
 def hard(bench, page):
     """Cases at the edge of the numbers, listed in tests/hard/cases.txt, run here and shown by part."""
     lines = [line.split("|", 3) for line in (ROOT / "tests/hard/cases.txt").read_text().splitlines() if line.strip() and not line.startswith("#")]
     lines = [[word.strip() for word in line] for line in lines]
     page.say("Inputs at the edge of the numbers, with answers worked by hand or by exact arithmetic: `ctest --test-dir build/host -L hard`. The list is `tests/hard/cases.txt`, from which "
              "CMake takes the label and this page is made (`tools/evidence --only hard`); *passed* is what this run counted. A pattern that matches no test fails the test `hard_cases_are_there`.")
+    kept = page.out / "numbers.json"
+    before = json.loads(kept.read_text()).get("hard", {}).get("lines", {}) if page.failed_only and kept.exists() else {}
+    done_before = 0
+    results = {}
     per_part, open_cases = collections.OrderedDict(), [line for line in lines if line[1] == "open"]
     total = passed_total = 0
     for part, pattern, kind, guarantee in (line for line in lines if line[1] != "open"):
-        program = bench.bin / f"test_{part}"
-        if not program.exists():
-            per_part.setdefault(part, []).append((pattern, kind, guarantee, "not built"))
-            continue
-        done = subprocess.run([str(program), f"--gtest_filter={pattern}", "--gtest_brief=1"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, cwd=tempfile.gettempdir())
-        ran = re.search(r"\[==========\] (\d+) tests? from", done.stdout)
-        passed = re.search(r"\[  PASSED  \] (\d+) test", done.stdout)
-        ran, passed = int(ran[1]) if ran else 0, int(passed[1]) if passed else 0
+        key = f"{part} {pattern}"
+        if before.get(key, [0, 1])[0] == before.get(key, [0, 1])[1]:
+            passed, ran = before[key]
+            done_before += 1
+        else:
+            program = bench.bin / f"test_{part}"
+            if not program.exists():
+                per_part.setdefault(part, []).append((pattern, kind, guarantee, "not built"))
+                continue
+            passed, ran, failed = run_cases(program, pattern)
+            open_cases += [(part, "", f"`{name}`", "failed in this run") for name in failed]
+        results[key] = [passed, ran]
         total, passed_total = total + ran, passed_total + passed
         per_part.setdefault(part, []).append((pattern, kind, guarantee, f"{passed} of {ran}"))
         print(f"  {part} {pattern}: {passed} of {ran}", flush=True)
@@ -518,6 +536,9 @@ def hard(bench, page):
         page.say("None.")
     page.number("hard", f"{passed_total} of {total}")
     page.number("hard_parts", str(len(per_part)))
+    page.numbers["lines"] = results
+    if done_before:
+        page.say(f"{done_before} of {len(results)} lines passed in an earlier run and were not repeated (`--failed`).")
 
 
 SECTIONS = {"placement": placement, "surface": surface, "covers": covers, "wiring": wiring, "contacts": contacts, "device": device, "streams": streams, "hard": hard}
