@@ -23,7 +23,8 @@ INSTANTIATE_TEST_SUITE_P(All, Causes,
                          testing::Values(Cause::kNone, Cause::kSupplyDrop, Cause::kBrokenTrace, Cause::kLineHeld,
                                          Cause::kOtherFirmware, Cause::kWrongAddress, Cause::kBrokenStrap,
                                          Cause::kSameNumber, Cause::kDriftingChip, Cause::kStuckTaxel,
-                                         Cause::kLoosePlug),
+                                         Cause::kLoosePlug, Cause::kDeadModule, Cause::kOpenJoint,
+                                         Cause::kModuleHoldsLine, Cause::kModuleReset),
                          [](const auto& tested) {
                            std::string name = kCauseNames[static_cast<std::size_t>(tested.param)];
                            std::ranges::replace_if(name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');

@@ -119,6 +119,18 @@ TEST(OneCause, an_open_joint_of_switched_modules_is_one_broken_joint) {
   EXPECT_EQ(r.modules_ok, 5);
 }
 
+// Nothing can be left out at the entry. The controller looks for a way round again and again, so that the other lines
+// have gaps, too.
+TEST(OneCause, a_line_held_at_the_entry_of_switched_modules_is_one_finding) {
+  hardware::Fault held = fault(FaultKind::kHeldLine, 0);
+  held.line = 1;
+  const VerifyResult r = verify_switched({held});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kStuckLine);
+  EXPECT_EQ(r.findings[0].line, 1);
+  EXPECT_THAT(r.findings[0].text, HasSubstr("at the cable or at module 0"));
+}
+
 TEST(OneCause, an_open_joint_of_strapped_modules_is_one_broken_joint) {
   Fixture fixture(
       8, 8, {fault(FaultKind::kRemovedChip, 5), fault(FaultKind::kRemovedChip, 6), fault(FaultKind::kRemovedChip, 7)});
