@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cstring>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -198,8 +200,13 @@ TEST(ExportUrdf, is_accepted_by_check_urdf) {
   design::Design d = turned_strip();
   d.name = "<arm> & \"hand\"";
   const auto file = std::filesystem::temp_directory_path() / fmt::format("export_test.{}.urdf", ::getpid());
-  write_file_atomically(file, exports::urdf(d));
-  EXPECT_EQ(std::system(("check_urdf " + file.string() + " > /dev/null").c_str()), 0);
+  d.surface.vertices = {{0, 0, 0}, {1000, 0, 0}, {0, 1000, 0}};
+  d.surface.faces = {{0, 1, 2}};
+  for (const exports::CoverBody& body :
+       {exports::CoverBody{}, {.prefix = "l_", .mass_kg = 0.3, .mesh_uri = "a&b.stl"}}) {
+    write_file_atomically(file, exports::urdf(d, body));
+    EXPECT_EQ(std::system(("check_urdf " + file.string() + " > /dev/null").c_str()), 0);
+  }
   std::filesystem::remove(file);
 }
 
@@ -212,6 +219,51 @@ TEST(ExportUrdf, draws_the_box_of_what_is_left_of_a_module) {
   EXPECT_THAT(exports::urdf(d), HasSubstr("<origin xyz=\"0 0.00259807621 0\"/>"));
   EXPECT_THAT(exports::urdf(d), HasSubstr("<box size=\"0.026 0.0225166605 0.001\"/>"));
   EXPECT_THAT(exports::sdf(d), HasSubstr("<size>0.026 0.0225166605 0.001</size>"));
+}
+
+// A square of 2 m, two triangles of 1 kg each: about its middle 1/12 m l2 = 2/3 kg m2 in its plane, 4/3 about z.
+TEST(ExportUrdf, mass_and_inertia_are_those_of_a_shell) {
+  design::Design d = strip(1);
+  d.name = "plate";
+  d.surface.vertices = {{0, 0, 500}, {2000, 0, 500}, {2000, 2000, 500}, {0, 2000, 500}};
+  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
+  const exports::CoverBody body{.prefix = "left_", .mass_kg = 2.0, .mesh_uri = "package://robot/plate.stl"};
+  const std::string urdf = exports::urdf(d, body);
+  EXPECT_THAT(urdf, HasSubstr("<link name=\"left_skin_plate\"/>"));
+  EXPECT_THAT(urdf, HasSubstr("<parent link=\"left_skin_plate\"/>\n    <child link=\"left_cover\"/>"));
+  EXPECT_THAT(urdf, HasSubstr("<link name=\"left_module_0\">"));
+  EXPECT_THAT(urdf, HasSubstr("frame=\"left_module_0\""));
+  EXPECT_THAT(urdf,
+              HasSubstr("<collision>\n      <geometry><mesh filename=\"package://robot/plate.stl\"/></geometry>"));
+  EXPECT_THAT(urdf, HasSubstr("<origin xyz=\"1 1 0.5\"/>\n      <mass value=\"2\"/>"));
+  const std::string sdf = exports::sdf(d, body);
+  EXPECT_THAT(sdf, HasSubstr("<static>false</static>"));
+  EXPECT_THAT(sdf, HasSubstr("<pose>1 1 0.5 0 0 0</pose>\n        <mass>2</mass>"));
+  EXPECT_THAT(sdf, HasSubstr("<mesh><uri>package://robot/plate.stl</uri></mesh>"));
+  EXPECT_THAT(sdf, HasSubstr("<frame name=\"skin_plate\" attached_to=\"cover\"/>"));
+  for (const auto& [term, wanted] : std::map<std::string, double>{
+           {"ixx", 2.0 / 3}, {"iyy", 2.0 / 3}, {"izz", 4.0 / 3}, {"ixy", 0.0}, {"ixz", 0.0}, {"iyz", 0.0}}) {
+    EXPECT_NEAR(std::stod(urdf.substr(urdf.find(term) + 5)), wanted, 5e-9) << term;  // nine significant digits
+    EXPECT_NEAR(std::stod(sdf.substr(sdf.find("<" + term + ">") + 5)), wanted, 5e-9) << term;
+  }
+  d.surface.faces.clear();
+  EXPECT_THROW((void)exports::urdf(d, body), InputError);
+}
+
+TEST(ExportUrdf, the_mesh_of_the_cover_is_its_surface_in_metres) {
+  design::Design d = strip(1);
+  d.surface.vertices = {{0, 0, 0}, {1000, 0, 0}, {0, 1000, 0}};
+  d.surface.faces = {{0, 1, 2}};
+  const std::string stl = exports::cover_stl(d);
+  ASSERT_EQ(stl.size(), 84U + 50U);
+  EXPECT_EQ(stl[80], 1);
+  const auto number = [&](std::size_t k) {
+    float v = 0.0F;
+    std::memcpy(&v, stl.data() + 84 + 4 * k, 4);
+    return v;
+  };
+  const std::vector<float> wanted{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};  // normal, then the corners
+  for (std::size_t k = 0; k < wanted.size(); ++k) EXPECT_EQ(number(k), wanted[k]) << k;
 }
 
 TEST(ExportSdf, has_a_frame_for_each_module) {

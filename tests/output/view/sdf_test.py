@@ -19,6 +19,9 @@ with tempfile.TemporaryDirectory() as folder:
     subprocess.run([triskin, "export", design, "-o", file], check=True, stdout=subprocess.DEVNULL)
     # This is the function behind "ign sdf --check"; 0 means valid.
     whole = sdformat.cmdCheck(str(file).encode())
+    heavy = pathlib.Path(folder, "heavy.sdf")
+    subprocess.run([triskin, "export", design, "-o", heavy, "--mass-kg", "0.3"], check=True, stdout=subprocess.DEVNULL)
+    whole = whole or sdformat.cmdCheck(str(heavy).encode())
     file.write_text(file.read_text().replace("attached_to=\"cover\"", "attached_to=\"nothing\"", 1))
     broken = sdformat.cmdCheck(str(file).encode())
 sys.exit(0 if whole == 0 and broken != 0 else 1)

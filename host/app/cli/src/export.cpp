@@ -27,6 +27,7 @@ namespace {
 
 struct Options {
   std::string design, format, output, body;
+  exports::CoverBody cover;
   sheet::Paper paper = sheet::Paper::kA4;
   bool switched = false;
 };
@@ -40,6 +41,10 @@ struct Format {
 template <std::string (*write)(const design::Design&)>
 std::string plain(const ShownDesign& shown, const Options& /*options*/) {
   return write(shown.design);
+}
+template <std::string (*write)(const design::Design&, const exports::CoverBody&)>
+std::string model(const ShownDesign& shown, const Options& options) {
+  return write(shown.design, options.cover);
 }
 template <exports::MjcfTouch touch>
 std::string mjcf(const ShownDesign& shown, const Options& options) {
@@ -61,8 +66,8 @@ const std::map<std::string, Format> kFormats{
     {"modules", {".modules.obj", plain<exports::modules_obj>}},
     {"html", {".html", page}},
     {"gltf", {".gltf", plain<exports::gltf>}},
-    {"urdf", {".urdf", plain<exports::urdf>}},
-    {"sdf", {".sdf", plain<exports::sdf>}},
+    {"urdf", {".urdf", model<exports::urdf>}},
+    {"sdf", {".sdf", model<exports::sdf>}},
     {"mjcf", {".mjcf.xml", mjcf<exports::MjcfTouch::kTactile>}},
     {"mjcf-touch", {".touch.xml", mjcf<exports::MjcfTouch::kSites>}},
     {"taxel-list", {".taxels.json", plain<exports::taxel_list_json>}},
@@ -129,6 +134,12 @@ std::vector<std::string> write_covers(const Options& options, const Format& form
 
 int run(const Options& options, Output& output) {
   const Format& format = format_of(options);
+  const bool is_model = format.suffix == std::string(".urdf") || format.suffix == std::string(".sdf");
+  if (!is_model && (!options.cover.mesh_uri.empty() || options.cover.mass_kg > 0.0))
+    throw InputError("export: --mesh-uri and --mass-kg are for the formats urdf and sdf");
+  if (!options.cover.mesh_uri.empty() && !options.cover.mesh_uri.ends_with(".stl"))
+    throw InputError(fmt::format("export: --mesh-uri {}: the mesh is an STL file; let the name end with .stl",
+                                 options.cover.mesh_uri));
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;
@@ -144,6 +155,11 @@ int run(const Options& options, Output& output) {
     const ShownDesign shown = read_shown_design(options.design, false);
     if (!robot::is_robot_file(options.design)) say_if_changed(shown.design, options.design, output);
     write_output(path, format.write(shown, options));
+    if (const std::string& uri = options.cover.mesh_uri; !uri.empty()) {
+      if (path == "-") throw InputError("export: --mesh-uri writes a file beside that of -o; give -o a file");
+      files.push_back((std::filesystem::path(path).parent_path() / std::filesystem::path(uri).filename()).string());
+      write_output(files.back(), exports::cover_stl(shown.design));
+    }
   }
   output.result = {{"files", files}};
   for (const std::string& file : files) output.say(file);
@@ -167,6 +183,15 @@ const Registration kExport{{
       app.add_option("-o,--output", options->output, "output file (default: beside the design)");
       app.add_option("--body", options->body,
                      "mjcf, mjcf-touch: body of the robot's model that the cover is fixed to (default: the world)");
+      app.add_option(
+          "--mesh-uri", options->cover.mesh_uri,
+          "urdf, sdf: the cover's surface is written beside the file, as STL in m, and the model names it so "
+          "(package://my_robot/meshes/forearm.stl)");
+      app.add_option("--mass-kg", options->cover.mass_kg,
+                     "urdf, sdf: mass of cover, boards and cables, spread evenly over the surface (default: none)")
+          ->check(CLI::Range(1e-6, 1e3));
+      app.add_option("--prefix", options->cover.prefix,
+                     "urdf: before the names of links, so that two covers fit one robot");
       app.add_option("--paper", options->paper, "pdf, sheet-svg: paper size; roll: 610 mm wide, as long as needed")
           ->transform(one_of(papers()))
           ->default_str("A4");

@@ -33,4 +33,9 @@ std::string ascii_name(std::string_view text, std::string_view also, std::string
   return has_lost ? fmt::format("{}_{:08x}", name, hash) : name;
 }
 
+std::string part_name(std::string_view text) {
+  const std::string name = ascii_name(text, "", "p");
+  return name[0] >= '0' && name[0] <= '9' ? "p" + name : name;
+}
+
 }  // namespace triskin

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/recording/cdr.hpp"
 
@@ -18,11 +17,6 @@ constexpr Delivery kStream{.depth = 2000, .latched = false}, kLatest{.depth = 10
     kForEver{.depth = 1, .latched = true};
 
 }  // namespace
-
-std::string part_name(const std::string& text) {
-  const std::string name = ascii_name(text, "", "p");
-  return name[0] >= '0' && name[0] <= '9' ? "p" + name : name;
-}
 
 Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns)
     : domain_(domain),

@@ -11,4 +11,8 @@ namespace triskin {
 /// "left_arm"; "左腕" and "右腕"); a text that ends like that gets them too. `if_empty` stands for "".
 [[nodiscard]] std::string ascii_name(std::string_view text, std::string_view also, std::string_view if_empty);
 
+/// The name of a cover in topics and frames of ROS (skin/NAME/raw, skin_NAME): that of ascii_name, and a leading digit
+/// gets a "p" before it.
+[[nodiscard]] std::string part_name(std::string_view text);
+
 }  // namespace triskin

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/raw_frames.hpp"
 
@@ -23,9 +24,7 @@ struct BridgeOptions {
   recording::Calibration calibration;      ///< The calibration gives the forces of contacts.
 };
 
-/// Makes a name for a topic or frame from `text`: characters that ROS does not allow become "_", and a leading digit
-/// gets a "p" before it.
-[[nodiscard]] std::string part_name(const std::string& text);
+using triskin::part_name;
 
 /// Counts the messages that were handed to DDS, by topic.
 struct Published {

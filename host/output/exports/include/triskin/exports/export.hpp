@@ -35,12 +35,23 @@ struct ModulePose {
 /// modules).
 [[nodiscard]] std::string gltf(const design::Design& design);
 
-/// Exports a link "cover" and a fixed link for each module in its frame (URDF; m, rad), with the table of taxels. Cost:
-/// O(modules).
-[[nodiscard]] std::string urdf(const design::Design& design);
+/// What a robot's model says of a cover beside its modules.
+struct CoverBody {
+  std::string prefix;    ///< before all names of URDF, so that two covers fit one robot
+  double mass_kg = 0.0;  ///< of cover, boards and cables, spread evenly over the surface; 0: not said
+  std::string mesh_uri;  ///< where the reader finds cover_stl(); empty: none
+};
+/// Exports URDF (m, rad): a link skin_NAME, the frame of bridge and recordings; fixed to it a link "cover" with mesh
+/// and mass; to that a link for each module in its frame, a plate for eye and contact; and the table of taxels. Throws
+/// InputError for a mass or mesh of a design without surface. Cost: O(modules + faces).
+[[nodiscard]] std::string urdf(const design::Design& design, const CoverBody& body = {});
 
-/// Exports a static model with a frame for each module and the table of taxels (SDFormat 1.7; m, rad). Cost:
-/// O(modules).
-[[nodiscard]] std::string sdf(const design::Design& design);
+/// Exports a model (SDFormat 1.7; m, rad), static without a mass, with the same frames, mesh, mass and plates. Throws
+/// as urdf(). Cost: O(modules + faces).
+[[nodiscard]] std::string sdf(const design::Design& design, const CoverBody& body = {});
+
+/// Exports the surface as binary STL, in m, frame of the mesh. Throws InputError for a design without surface. Cost:
+/// O(faces).
+[[nodiscard]] std::string cover_stl(const design::Design& design);
 
 }  // namespace triskin::exports
