@@ -347,7 +347,7 @@ def contacts(bench, page):
                 for r in study])
     page.number("cramer_rao", f"{study[0]['position_over_bound']:.2f} in place, {study[0]['force_over_bound']:.2f} in force")
     grown = of(rows, "growth")
-    page.say("Cost by the number of taxels, one contact of 0.5 N (noise 0.01, seven draws):")
+    page.say("Cost by the number of taxels, one contact of 0.5 N in their middle (noise 0.01, seven draws):")
     page.table(("modules", "taxels", "found", "error of place, mm", "of force", "time over the first"),
                [(r["modules"], r["taxels"], f"{r['found']} of {r['draws']}", f"{r['place_mm']:.3f}", percent(r["force_share"]), spread(r["processor_s"].over(grown[0]["processor_s"]))) for r in grown])
     page.plot("growth", "Finding one contact: time over taxels", Axis("taxels", [r["taxels"] for r in grown]), Axis("times the first", [v for r in grown for v in error_bars(0, r["processor_s"].over(grown[0]["processor_s"]))[1:]]),

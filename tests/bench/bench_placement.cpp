@@ -144,7 +144,7 @@ void add_baseline(nlohmann::json& row, bool quick) {
 nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
-  const placement::PlacementOptions count = count_only(options.quick ? 4.0 : 60.0);
+  const placement::PlacementOptions count = count_only(60.0);
   const auto add = [&](const char* series, bool rough, int vertices, double area_cm2,
                        const placement::PlacementOptions& wanted) {
     report(sink, "bench placement", -1.0, series);
