@@ -461,7 +461,7 @@ TEST(Calibrate, the_force_is_right_with_converters_of_any_gain) {
   skin.actuator().pressurize(layout::ModuleId{1}, 20.0);
   const double truth = 20.0 * design::kModuleArea_mm2 * 1e-3;
   EXPECT_NEAR(skin.force_n(calibration, outcome.rest) / truth, 1.0, 0.039);
-  // Against the pads alone it is off by the gain of the chip, up to 25 %, and by that of the negative input, up to 2.2 %.
+  // Against the pads alone it is off by the gain of the chip, up to 25 %, and of its negative input, up to 2.2 %.
   EXPECT_LE(skin.worst_error(calibration), 1.25 * 1.022 - 1.0 + 0.029);
 }
 

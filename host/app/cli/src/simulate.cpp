@@ -133,9 +133,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   if (seed) output.say(fmt::format("serial numbers drawn with --board-seed {}", *seed));
   const hardware::Scene& scene = buses[0].skin->scene();
   output.result["converters"] = scene.effects.converters.drawn ? "drawn" : "ideal";
-  output.say(scene.effects.converters.drawn
-                 ? fmt::format("converters drawn with seed {} of the scene", scene.seed)
-                 : "ideal converters: all as the data sheet says, and without noise");
+  output.say(scene.effects.converters.drawn ? fmt::format("converters drawn with seed {} of the scene", scene.seed)
+                                            : "ideal converters: all as the data sheet says, and without noise");
 }
 
 void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {
