@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hands frames of recordings to LeRobot's own writer (lerobot 0.4 to 0.6, data set format v3.0). It was written from the
-published interface and is not run by our tests: LeRobot is not in Debian. No camera, no action: add yours to `features`
+published interface; our tests run it against a stand-in, since LeRobot is not in Debian. No camera, no action: add yours to `features`
 and to each frame. Usage: lerobot_dataset.py ROOT TASK FILE.mcap..."""
 import json
 import pathlib
@@ -32,6 +32,7 @@ for recording in recordings:
                            f"observation.tactile_window.{name}": grid.window_counts[k].ravel(),
                            "task": task})
     dataset.save_episode()
+dataset.finalize()  # writes the ends of the Parquet files
 # LeRobot leaves files in meta alone: where each column is, beside the data.
 triskin.write_frames(recordings[0], pathlib.Path(root) / "meta" / "triskin", RATE_HZ, window=WINDOW)
 (pathlib.Path(root) / "meta" / "triskin" / "frames.npz").unlink()
