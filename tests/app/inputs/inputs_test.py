@@ -384,6 +384,8 @@ def sizes():
     mesh(k, "corner that is no number", FOUND, "a.obj", b"v nan 0 0\n" + m.obj(m.block()), 2, "vertex 0 is not a finite point")
     mesh(k, "numbers in micrometres", FOUND, "a.obj", m.obj(m.block(), 1e3), 2, r"155 m across, larger than a body part")
     add(k, "an option without a value: --gap-mm", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, ["place", "a.wkt", "--gap-mm", ""], 2, "--gap-mm: the value is empty")
+    for option in ("--unit", "--method"):
+        add(k, f"an option without a value: {option}", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, ["place", "a.wkt", option, ""], 2, f"{option}: the value is empty")
     add(k, "an option without a value: --link", FOUND, {}, ["live", "strip.json", "--link", ""], 2, "--link: the value is empty")
     add(k, "every answer has the size: design", FOUND, {"a.obj": m.obj(m.block())}, "design a.obj -o d.json --time-limit-s 1", 0, r"120\.0 × 90\.0 × 40\.0 mm")
     add(k, "every answer has the size: place", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, "place a.wkt --method r2", 0, r"150\.0 × 120\.0 mm")

@@ -70,6 +70,10 @@ std::string plain_words(const std::string& message) {
   std::smatch m;
   static const std::regex required("(.*) is required"), excludes("(.*) excludes (.*)"),
       requires_other("(.*) requires (.*)");
+  for (const std::regex* named : {&range, &unread, &choice}) {
+    if (std::regex_match(message, m, *named) && m.str(2).empty())
+      return fmt::format("{}: the value is empty", m.str(1));
+  }
   if (message == "--output is required") return "-o FILE is missing: where the result goes";
   if (std::regex_match(message, m, required)) return fmt::format("{} is missing", m.str(1));
   if (std::regex_match(message, m, excludes)) return fmt::format("{} and {} cannot stand together", m.str(1), m.str(2));

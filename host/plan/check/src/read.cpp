@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "checked_design.hpp"
+#include "json_path.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
 
@@ -20,104 +20,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxCount = 10'000'000;
+using namespace json_path;
 
-std::string shown(const json& j) {
-  return j.dump().substr(0, 40);
-}
-
-std::string place(const std::string& path) {
-  return path.empty() ? "top level" : path;
-}
-
-// A value of the file and its place there, as /modules/3/id.
-class Value {
- public:
-  Value(const json& value, std::string path) : value_(&value), path_(std::move(path)) {}
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}", place(path_), what)); }
-  [[nodiscard]] const json& raw() const { return *value_; }
-  [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] bool contains(const char* key) const { return value_->contains(key); }
-  [[nodiscard]] Value at(const char* key) const {
-    if (!value_->is_object()) fail(fmt::format("must be an object, is {}", shown(*value_)));
-    const auto found = value_->find(key);
-    if (found == value_->end())
-      fail(fmt::format("key \"{}\" is missing; make the design again with triskin design", key));
-    return {*found, path_ + '/' + key};
-  }
-  [[nodiscard]] std::size_t size() const {
-    if (!value_->is_array()) fail(fmt::format("must be a list, is {}", shown(*value_)));
-    return value_->size();
-  }
-  [[nodiscard]] Value item(std::size_t k) const { return {value_->at(k), path_ + '/' + std::to_string(k)}; }
-  [[nodiscard]] std::string text() const {
-    if (!value_->is_string()) fail(fmt::format("must be a text, is {}", shown(*value_)));
-    return value_->get<std::string>();
-  }
-  [[nodiscard]] bool boolean() const {
-    if (!value_->is_boolean()) fail(fmt::format("must be true or false, is {}", shown(*value_)));
-    return value_->get<bool>();
-  }
-
- private:
-  const json* value_;
-  std::string path_;
-};
-
-// A double still resolves 2 µm there, and no micrometre in a design id exceeds 64 bits.
-constexpr double kMaxNumber = 1e10;
-
-// JSON converts a number to any requested type, whether it fits or not.
-double number(const Value& v) {
-  if (!v.raw().is_number()) v.fail(fmt::format("must be a number, is {}", shown(v.raw())));
-  const double value = v.raw().get<double>();
-  if (!(std::abs(value) <= kMaxNumber)) v.fail(fmt::format("must lie in ±{:g}, is {}", kMaxNumber, shown(v.raw())));
-  return value;
-}
-int integer(const Value& v) {
-  const json& j = v.raw();
-  if (!j.is_number_integer()) v.fail(fmt::format("must be a whole number, is {}", shown(j)));
-  const bool fits = j.is_number_unsigned() ? j.get<std::uint64_t>() <= std::uint64_t{kMaxCount}
-                                           : j.get<std::int64_t>() >= -std::int64_t{kMaxCount};
-  if (!fits) v.fail(fmt::format("must lie in ±{}, is {}", kMaxCount, shown(j)));
-  return j.get<int>();
-}
-int bounded(const Value& v, int low, int high) {
-  const int value = integer(v);
-  if (value < low || value > high) v.fail(fmt::format("must lie in {} … {}, is {}", low, high, value));
-  return value;
-}
-// Reads the index of an element of a list of `n`.
-auto index_below(std::size_t n) {
-  return [n](const Value& v) { return bounded(v, 0, static_cast<int>(n) - 1); };
-}
-
-// A list of another length is wrong, whatever its beginning is.
-const Value& list_of(const Value& v, std::size_t n) {
-  if (v.size() != n) v.fail(fmt::format("must be a list of {}, has {}", n, v.size()));
-  return v;
-}
-
-template <class Read>
-auto all(const Value& v, Read read) {
-  std::vector<decltype(read(v))> out;
-  for (std::size_t k = 0; k < v.size(); ++k) out.push_back(read(v.item(k)));
-  return out;
-}
-template <class Read>
-auto three_of(const Value& v, Read read) {
-  list_of(v, 3);
-  return std::array{read(v.item(0)), read(v.item(1)), read(v.item(2))};
-}
-
-P2 p2(const Value& v) {
-  list_of(v, 2);
-  return {number(v.item(0)), number(v.item(1))};
-}
-P3 p3(const Value& v) {
-  list_of(v, 3);
-  return {number(v.item(0)), number(v.item(1)), number(v.item(2))};
-}
 std::vector<std::array<int, 3>> faces_of(const Value& v, std::size_t n_vertices) {
   return all(v, [n_vertices](const Value& f) { return three_of(f, index_below(n_vertices)); });
 }
@@ -339,15 +243,6 @@ void read_kinds(const Value& j, CheckedDesign& d) {
                                number(k.at("sensitivity_counts_per_kpa"))};
   });
   for (std::size_t m = 0; m < d.modules.size(); ++m) d.modules[m].kind = j.at("modules").item(m).at("kind").text();
-}
-
-std::uint64_t hex_id(const Value& v) {
-  const std::string text = v.text();
-  std::uint64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
-  if (error != std::errc{} || end != text.data() + text.size())
-    v.fail(fmt::format("must be 16 hexadecimal digits, is {}", shown(v.raw())));
-  return id;
 }
 
 void read_surface(const Value& j, CheckedDesign& d) {
