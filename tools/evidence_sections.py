@@ -181,7 +181,8 @@ def surface(bench, page):
     page.number("decimation", f"{percent(1 - next(r for r in found if r['asked_mm'] == 0.05)['left'] / found[0]['faces'], 0)}")
     page.heading("Repair of a dirty shell")
     page.say("`generate dirty-shell` has two walls, ribs, loose parts, crossings and flipped faces. Without a limit, by size; "
-             "then 24,000 faces with a limit: a shorter one takes a coarser way, and says how far the result is from the part.")
+             "then 24,000 faces with a limit: a shorter one takes a coarser way, and says how far the result is from the part. A large deviation means that a piece was left out "
+             "or an opening closed; `design` then says so and ends with status 1.")
     grown = of(rows, "repair by size")
     page.table(("faces", "crossings", "way", "proved, mm", "found, mm", "usable", "time, units"),
                [(f"{r['faces']:,}", r["crossings"], r["repair"], f"{r['deviation_mm']:.3g}", f"{r['found_mm']:.3g}", "yes" if r["usable"] else "**no**",
