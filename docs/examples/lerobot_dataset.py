@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hands frames of recordings to LeRobot's own writer (lerobot 0.4 to 0.6, data set format v3.0). It was written from the
-published interface; our tests run it against a stand-in, since LeRobot is not in Debian. No camera, no action: add yours to `features`
-and to each frame. Usage: lerobot_dataset.py ROOT TASK FILE.mcap..."""
+"""Hands frames of recordings to LeRobot's own writer (lerobot 0.4 to 0.6, data set format v3.0). It was written from
+the published interface; our tests run it against a stand-in, since LeRobot is not in Debian. No camera, no action:
+add yours to `features` and to each frame. Usage: lerobot_dataset.py ROOT TASK FILE.mcap..."""
 import json
 import pathlib
 import sys

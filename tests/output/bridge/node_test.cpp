@@ -96,24 +96,23 @@ class NodeTest : public testing::Test {
 
 using Entities = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
 
-// GUIDs of all endpoints of another participant on topics of ROS, as Cyclone discovered them.
-std::vector<std::array<std::uint8_t, 16>> endpoints_of(dds_entity_t participant, dds_entity_t builtin) {
+// GUIDs of the endpoints of others on topics of ROS, as Cyclone discovered them, once there are `count`.
+std::vector<std::array<std::uint8_t, 16>> endpoints_of(dds_entity_t participant, dds_entity_t builtin,
+                                                       std::size_t count) {
   std::vector<std::array<std::uint8_t, 16>> guids;
   const dds_entity_t reader = dds_create_reader(participant, builtin, nullptr, nullptr);
-  for (int round = 0; round < 300; ++round) {
+  EXPECT_TRUE(wait_until([&] {
     void* sample = nullptr;
     dds_sample_info_t info;
     while (dds_take(reader, &sample, &info, 1, 1) > 0) {
       const auto* e = static_cast<const dds_builtintopic_endpoint_t*>(sample);
       const std::string topic = info.valid_data ? e->topic_name : "";
-      if (topic.starts_with("rt/") || topic.starts_with("rq/") || topic.starts_with("rr/")) {
+      if (topic.starts_with("rt/") || topic.starts_with("rq/") || topic.starts_with("rr/"))
         std::copy_n(e->key.v, 16, guids.emplace_back().begin());
-        round = 250;  // others come within half a second
-      }
       (void)dds_return_loan(reader, &sample, 1);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+    return guids.size() >= count;
+  }));
   (void)dds_delete(reader);
   std::ranges::sort(guids);
   return guids;
@@ -133,9 +132,9 @@ TEST_F(NodeTest, a_foreign_reader_of_ros_discovery_info_finds_the_name_and_exact
   const Service<Tare> tare(*domain, "skin/arm");
   Reader<Entities> reader(participant_, rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc, "ros_discovery_info",
                           true, true);
-  const auto written = endpoints_of(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
-  const auto read = endpoints_of(participant_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   // contacts, markers, layout, diagnostics, tf_static and the answers; the requests.
+  const auto written = endpoints_of(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, 6);
+  const auto read = endpoints_of(participant_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, 1);
   EXPECT_EQ(written.size(), 6U);
   EXPECT_EQ(read.size(), 1U);
   EXPECT_TRUE(wait_until([&] {
