@@ -347,6 +347,7 @@ def contacts(bench, page):
                [(r["contacts"], r["draws"], r["wrong_counts"], percent(r["covered"]), f"{r['mean_square']:.2f}", f"{r['position_over_bound']:.2f}", f"{r['force_over_bound']:.2f}", f"{r['exact_position_mm']:.1e}", f"{r['exact_force_share']:.1e}")
                 for r in study])
     page.number("cramer_rao", f"{study[0]['position_over_bound']:.2f} in place, {study[0]['force_over_bound']:.2f} in force")
+    page.number("covered", percent(study[0]["covered"]))
     grown = of(rows, "growth")
     page.say("Cost by the number of taxels, one contact of 0.5 N in their middle (noise 0.01, seven draws):")
     page.table(("modules", "taxels", "found", "error of place, mm", "of force", "time over the first"),

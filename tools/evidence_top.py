@@ -21,7 +21,7 @@ TEN = [
     ("How much of a mesh is needed?", "{surface.decimation} of 30,000 faces go, and no point moves by more than 0.05 mm: a proved bound.", f"`{BENCH} mesh --quick \\| grep asked_mm`", "A flatter part loses more faces, a finer one fewer."),
     ("How good is the fast model of contact?", "The level `table` is at worst {contacts.table_error} of a taxel's peak off the exact layer, and {contacts.table_cheaper} times cheaper.",
      f"`{BENCH} contact --quick \\| grep '\"level\"'`", "Exact for a linear elastic layer; real foam is not linear."),
-    ("Do stated errors of contacts hold?", "Error over the Cramér-Rao bound: {contacts.cramer_rao}.", f"`{BENCH} contact --quick \\| grep study`", "Simulated noise that is normal and known; thirty draws a row."),
+    ("Do stated errors of contacts hold?", "{contacts.covered} of the values of single contacts lie within 1.96 stated deviations (95 % would be right); error over the Cramér-Rao bound: {contacts.cramer_rao}.", f"`{BENCH} contact --quick \\| grep study`", "Simulated noise that is normal and known; thirty draws a row."),
     ("Are stamps and samples honest?", "{device.clock} times lie outside their stated bound; lost are {streams.lost}.", f"`{BENCH} device --quick \\| grep clock`; `tools/evidence --only streams`",
      "Modelled ways and virtual hardware; no real board was measured."),
     ("Does it hold at the edge of the numbers?", "{hard.hard} hard cases in {hard.hard_parts} parts pass.", "`ctest --test-dir build/host -L hard`", "[What is open](hard.md#open) is listed there."),
