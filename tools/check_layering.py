@@ -47,7 +47,7 @@ PARTS = [
     Part("host/plan/routing", "routing", "base geometry design mesh", "Eigen fmt tbb", "triskin_routing"),
     Part("host/plan/lattice", "lattice", "base geometry design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
     Part("host/plan/pipeline", "pipeline", "base geometry design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
-    Part("host/output/fabrication", "fabrication", "base geometry design cad sheet layout", HOST_BASE + " minizip", "triskin_fabrication"),
+    Part("host/output/fabrication", "fabrication", "base geometry design cad sheet layout", HOST_BASE + " minizip boost", "triskin_fabrication"),
     Part("host/plan/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
     Part("host/device/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
     Part("host/device/recording", "recording", "base geometry design core wire layout", HOST_BASE, "triskin_recording"),

@@ -113,10 +113,20 @@ class Board:
             place = tuple(float(v) for v in child(via, "at"))
             self.items.append(Copper(set(COPPER_LAYERS), place, place, float(child(via, "size")[0]) / 2,
                                      self.net_names[child(via, "net")[0]], None))
-        self.lines = collections.defaultdict(list)
+        self.planes = []  # net name, ring
+        for zone in children(root, "zone"):
+            points = children(children(zone, "filled_polygon")[0], "pts")[0]
+            expect(child(zone, "layer") == ["In1.Cu"], "a plane lies on In1")
+            self.planes.append((child(zone, "net_name")[0], [tuple(float(v) for v in p[1:]) for p in children(points, "xy")]))
+        self.lines, self.bends = collections.defaultdict(list), []
         for line in children(root, "gr_line"):
             start, end = (tuple(float(v) for v in child(line, k)) for k in ("start", "end"))
             self.lines[child(line, "layer")[0]].append(math.dist(start, end))
+            if child(line, "layer") == ["User.1"]:
+                middle = [(start[a] + end[a]) / 2 for a in (0, 1)]
+                angle, = [t[1] for t in children(root, "gr_text") if child(t, "layer") == ["User.1"] and
+                          math.dist([float(v) for v in child(t, "at")[:2]], middle) < 1e-3]
+                self.bends.append(((start, end), float(angle.split("°")[0])))
 
     def read_footprint(self, footprint):
         x, y, *angle = (float(v) for v in child(footprint, "at"))
@@ -170,6 +180,96 @@ class Board:
         for k, item in enumerate(self.items):
             if item.owner:
                 self.part_of.setdefault(item.owner, set()).add(root(k))
+
+
+def is_within(point, ring):
+    odd = False
+    for (ax, ay), (bx, by) in zip(ring, ring[1:] + ring[:1]):
+        if (ay > point[1]) != (by > point[1]) and point[0] < ax + (point[1] - ay) * (bx - ax) / (by - ay):
+            odd = not odd
+    return odd
+
+
+def around(item):
+    """Places on the border of a pad or track, and along its middle."""
+    length = math.dist(item.start, item.end)
+    for k in range(int(length / 0.5) + 2):
+        t = k / (int(length / 0.5) + 1)
+        x, y = (item.start[a] + t * (item.end[a] - item.start[a]) for a in (0, 1))
+        yield x, y
+        for turn in range(8):
+            angle = turn * math.pi / 4
+            yield x + item.radius * math.cos(angle), y + item.radius * math.sin(angle)
+
+
+SENSOR_GAP = 0.24  # mm between sensor tracks and digital ones on the two lower layers, which no plane parts
+
+
+def check_shield(board, modules):
+    """A plane that ACSHIELD drives lies under every taxel and sensor track of the touch side; on the lower layers nothing
+    digital passes near a sensor track. Plated holes of the bus on the touch side are pads, not tracks."""
+    for module in modules:
+        name = f"M{module['id']}_"
+        rings = [ring for net, ring in board.planes if net == name + "ACSHIELD"]
+        expect(rings, f"{name}: no plane of ACSHIELD")
+        sensors = [i for i in board.items if i.net and i.net.startswith(name + "CIN")]
+        # Around the hole through which a sensor's track goes to the chip, the plane is open.
+        holes = [i for i in sensors if i.layers == set(COPPER_LAYERS)]
+        bare = sum(not any(is_within(p, r) for r in rings) and
+                   not any(math.dist(p, h.start) < h.radius + 0.12 for h in holes)
+                   for i in sensors if i.layers == {"F.Cu"} for p in around(i))
+        expect(bare == 0, f"{name}: {bare} places of sensors without the plane under them")
+        digital = [i for i in board.items if i.net and i.owner is None and i.layers != set(COPPER_LAYERS) and
+                   "_CIN" not in i.net and not i.net.endswith("ACSHIELD")]
+        expect(not any(i.layers & {"F.Cu", "In1.Cu"} for i in digital), f"{name}: a digital track above the plane")
+        for sensor in sensors:
+            if sensor.layers == {"F.Cu"} or sensor.owner:
+                continue
+            near = [i.net for i in digital if distance(sensor, i) - sensor.radius - i.radius < SENSOR_GAP]
+            expect(not near, f"{name}: {sensor.net} beside {sorted(set(near))}")
+
+
+def check_planes(board):
+    """Copper of another net on In1 keeps off the planes; the hole of ACSHIELD hangs on its plane."""
+    for net, ring in board.planes:
+        box = [f(p[a] for p in ring) for a in (0, 1) for f in (min, max)]
+        edges = list(zip(ring, ring[1:] + ring[:1]))
+        for item in board.items:
+            x, y = item.start
+            if "In1.Cu" not in item.layers or not (box[0] < x < box[1] and box[2] < y < box[3]):
+                continue
+            if item.net == net:
+                expect(is_within(item.start, ring), f"{net}: its hole is in the plane")
+                continue
+            near = [(a, b) for a, b in edges if min(a[0], b[0]) - 1 < x < max(a[0], b[0]) + 1 and
+                    min(a[1], b[1]) - 1 < y < max(a[1], b[1]) + 1]
+            gap = min((distance(item, Copper(item.layers, a, b, 0.0, net, None)) for a, b in near), default=1) - item.radius
+            expect(not is_within(item.start, ring) and gap > 0.0999, f"{net}: {item.net} is {gap:.3f} mm from the plane")
+
+
+THICKNESS = 0.272  # mm; the inner radius of a bend is ten times this (docs/fabrication.md)
+HOLE_FREE = 0.5  # mm from the wall of a hole to the bend
+
+
+def check_bends(board):
+    """No plated hole, pad or taxel lies in the area of a bend, nor a hole near it; tracks cross it at right angles. The
+    angle of a fold stands beside it in whole degrees."""
+    for (start, end), angle in board.bends:
+        reach = (10 * THICKNESS + THICKNESS / 2) * math.radians(angle) / 2
+        along = [(end[a] - start[a]) / math.dist(start, end) for a in (0, 1)]
+        for item in board.items:
+            def place(p):
+                d = (p[0] - start[0], p[1] - start[1])
+                return d[0] * along[0] + d[1] * along[1], abs(d[0] * along[1] - d[1] * along[0])
+            (s, near), (t, far) = place(item.start), place(item.end)
+            if not (0 < s < math.dist(start, end)) or min(near, far) - item.radius > reach + HOLE_FREE:
+                continue
+            if item.layers == set(COPPER_LAYERS):
+                expect(near - 0.1 > reach + HOLE_FREE - 0.015, f"{item.owner}: its hole is {near:.2f} mm from a bend")
+            elif item.owner:
+                expect(near - item.radius > reach - 0.015, f"{item.owner} is {near - item.radius:.2f} mm from a bend")
+            elif min(near, far) - item.radius < reach - 0.015:
+                expect(abs(s - t) < 1e-3, f"{item.net}: its track crosses a bend askew")
 
 
 # --- what the design says ----------------------------------------------------------------------------------------------
@@ -255,7 +355,7 @@ def joints_on(board, modules):
         return by_place[place] if math.dist(place, point) < 1e-3 else None
 
     count = 0
-    for track in (i for i in board.items if i.owner is None and i.layers == {"In1.Cu"}):
+    for track in (i for i in board.items if i.owner is None and i.layers == {"B.Cu"}):
         ends = frozenset((nearest(track.start), nearest(track.end)))
         if None in ends or len(ends) < 2:  # A track inside a module.
             continue
@@ -363,6 +463,9 @@ def check_boards(folder, design):
         joints = expected_joints(modules)
         expect(pairs == joints, f"island {island}: joints {pairs ^ joints} differ")
         expect(tracks == 20 * len(joints), f"island {island}: {tracks} tracks over {len(joints)} joints")
+        check_shield(board, modules)
+        check_planes(board)
+        check_bends(board)
         check_cables(board, design, modules)
         check_whole_nets(board)
         check_netlist(path.with_suffix(".net"), board)
@@ -430,7 +533,12 @@ def check_rules(folder, design, pcbnew):
     expect(len(boards) == 1 + len(islands_of(design)), f"{len(boards)} boards")  # The module alone is one.
     for path in boards:
         report = path.with_suffix(".rpt")
-        pcbnew.WriteDRCReport(pcbnew.LoadBoard(str(path)), str(report), pcbnew.EDA_UNITS_MILLIMETRES, True)
+        board = pcbnew.LoadBoard(str(path))
+        filled = [zone.GetFilledArea() for zone in board.Zones()]
+        pcbnew.ZONE_FILLER(board).Fill(board.Zones())
+        for zone, area in zip(board.Zones(), filled):
+            expect(abs(zone.GetFilledArea() / area - 1) < 0.01, f"{zone.GetNetname()}: KiCad fills {zone.GetFilledArea()} of {area}")
+        pcbnew.WriteDRCReport(board, str(report), pcbnew.EDA_UNITS_MILLIMETRES, True)
         text = report.read_text(encoding="utf-8")
         violations = int(re.search(r"Found (\d+) DRC violations", text).group(1))
         open_pads = int(re.search(r"Found (\d+) unconnected pads", text).group(1))

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -11,6 +12,7 @@
 #include <random>
 #include <set>
 
+#include "output/fabrication/src/bend.hpp"
 #include "output/fabrication/src/kicad.hpp"
 #include "output/fabrication/src/module_board.hpp"
 #include "output/fabrication/src/module_tracks.hpp"
@@ -180,7 +182,7 @@ TEST(ModuleBoard, InnerTracksKeepOffRingsAndEdge) {
       for (std::size_t net = 0; net < kBusNets; ++net) {
         const auto ring = ring_of(net, cut_mm);
         for (std::size_t k = 0; k < ring.size(); ++k)
-          least = std::min(least, to_segment_mm(p, ring[k], ring[(k + 1) % ring.size()]) - kTrack_mm / 2.0);
+          least = std::min(least, to_segment_mm(p, ring[k], ring[(k + 1) % ring.size()]) - ring_track_mm(net) / 2.0);
       }
       return least;
     };
@@ -267,6 +269,52 @@ TEST(Boards, RefuseACornerCutThatTakesPads) {
   d.layout.corner_cut_mm = 5.0;
   const auto sides = sheet::sides_of(d);
   EXPECT_THROW((void)island_board(d, sides, flat_islands(d, sides)[0]), InputError);
+}
+
+// By hand: the board has 0.272 mm, so the middle of a bend has a radius of 2.72 + 0.136 = 2.856 mm; taxels begin 3.0
+// - 1.75 = 1.25 mm from a side, and the outermost hole's wall is 1.85 - 0.1 - 0.5 = 1.25 mm from where its bend may
+// end. Half of the arc is 1.25 mm at 2 · 1.25 / 2.856 = 0.875 rad, 50°.
+TEST(Bends, TheModuleAllowsFiftyDegrees) {
+  EXPECT_NEAR(bend_reach_mm(1.0), 2.856 / 2.0, 1e-12);
+  EXPECT_NEAR(module_bend_limit_rad(), 0.875, 0.002);
+  // The outermost lane of a cable lies 0.4 mm from the side and is 0.1 mm wide.
+  EXPECT_NEAR(cable_bend_limit_rad(), 2.0 * 0.35 / 2.856, 1e-9);
+}
+
+// Modules 0 and 1 of a strip, the second one turned up about their common side from (30, 0) to (15, 26).
+Design bent_pair(double angle_rad) {
+  Design d = test::strip(2);
+  auto& corner = d.layout.modules[1].corner_mm;
+  const Vec3 from(30, 0, 0), axis = (Vec3(15, design::kHeight_mm, 0) - from).normalized();
+  for (Vec3& p : corner) p = from + Eigen::AngleAxisd(angle_rad, axis) * (p - from);
+  return d;
+}
+TEST(Bends, ASharpJointIsRefusedByName) {
+  const double limit_rad = module_bend_limit_rad();
+  for (const double sign : {-1.0, 1.0}) {
+    const Design just = bent_pair(sign * (limit_rad - 0.01)), sharp = bent_pair(sign * (limit_rad + 0.01));
+    EXPECT_NO_THROW(require_bends(just, sheet::sides_of(just), only_island(just)));
+    try {
+      require_bends(sharp, sheet::sides_of(sharp), only_island(sharp));
+      FAIL() << "a joint of " << sign * (limit_rad + 0.01) << " rad was taken";
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("modules 0 and 1"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("--fold-rad 0.87"), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Fabricate, LeavesBoardsOutWhereAJointIsTooSharp) {
+  const Folder folder;
+  const Design d = bent_pair(1.0);
+  const std::set<Product> boards{Product::kKicad};
+  EXPECT_THROW((void)fabricate(d, folder.path() / "kicad", {boards, 1.0, 2.0, 2.0}), InputError);
+  const auto report = fabricate(d, folder.path() / "all", {{}, 1.0, 2.0, 2.0});
+  ASSERT_FALSE(report.left_out.empty());
+  EXPECT_NE(report.left_out.front().find("the boards are left out"), std::string::npos) << report.left_out.front();
+  EXPECT_FALSE(fs::exists(folder.path() / "all/kicad"));
+  EXPECT_FALSE(fs::exists(folder.path() / "all/order"));
+  EXPECT_TRUE(fs::exists(folder.path() / "all/sheets"));
 }
 
 TEST(PartsList, CountsWhatAStripNeeds) {

@@ -5,16 +5,21 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "assembly.hpp"
+#include "bend.hpp"
+#include "board_art.hpp"
 #include "controller_nets.hpp"
 #include "kicad.hpp"
+#include "panel.hpp"
 #include "parts_list.hpp"
 #include "solids.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/read_part.hpp"
 #include "triskin/sheet/sides.hpp"
+#include "zip_file.hpp"
 
 namespace triskin::fabrication {
 namespace {
@@ -73,11 +78,14 @@ class Fabrication {
   FabricationReport run() {
     report_.islands = static_cast<int>(islands_.size());
     if (wants(Product::kDxf)) write_drawings();
-    if (wants(Product::kKicad)) write_boards();
+    if (wants(Product::kKicad) || wants(Product::kOrder)) draw_boards();
+    if (wants(Product::kKicad) && !art_.empty()) write_boards();
     if (wants(Product::kParts)) write("parts.csv", parts_csv(parts_of(design_, sides_, islands_)));
     if (wants(Product::kSolids)) write_solids();
     if (wants(Product::kStep)) write_assembly();
-    if (wants(Product::kSheets)) write_sheets();
+    if (wants(Product::kSheets) || wants(Product::kOrder)) lay_on_sheets();
+    if (wants(Product::kSheets) && nesting_) write_sheets();
+    if (wants(Product::kOrder) && nesting_ && !art_.empty()) write_panels();
     std::ranges::sort(report_.files);
     folder_.commit();
     return std::move(report_);
@@ -97,6 +105,19 @@ class Fabrication {
 
   void write_drawings() {
     for (const FlatIsland& island : islands_) write("dxf/" + island.part_number + ".dxf", island_dxf(island));
+  }
+
+  void draw_boards() {
+    try {
+      for (const FlatIsland& island : islands_) {
+        require_bends(design_, sides_, island);
+        art_.push_back(board_art(design_, sides_, island));
+      }
+    } catch (const InputError& e) {
+      if (!options_.products.empty()) throw;
+      art_.clear();
+      report_.left_out.push_back(fmt::format("the boards are left out: {}", e.what()));
+    }
   }
 
   void write_boards() {
@@ -147,25 +168,52 @@ class Fabrication {
     write(plain_name(design_.name) + ".step", assembly_step(design_, islands_.front().corner_cut_mm, report_.left_out));
   }
 
-  void write_sheets() {
-    Nesting nesting;
+  void lay_on_sheets() {
     try {
-      nesting = nest(islands_, options_.sheet);
+      nesting_ = nest(islands_, options_.sheet);
+      report_.sheet_fill = nesting_->fill;
     } catch (const InputError& e) {
       if (!options_.products.empty()) throw;
       report_.left_out.push_back(fmt::format("the sheets are left out: {}", e.what()));
-      return;
     }
-    report_.sheet_fill = nesting.fill;
-    for (int sheet = 0; sheet < static_cast<int>(nesting.fill.size()); ++sheet)
-      write(fmt::format("sheets/sheet_{}.dxf", sheet + 1), sheet_dxf(islands_, nesting, sheet, options_.sheet));
-    write("sheets/places.csv", places_csv(islands_, nesting));
+  }
+
+  void write_sheets() {
+    for (int sheet = 0; sheet < sheets(); ++sheet)
+      write(fmt::format("sheets/sheet_{}.dxf", sheet + 1), sheet_dxf(islands_, *nesting_, sheet, options_.sheet));
+    write("sheets/places.csv", places_csv(islands_, *nesting_));
+  }
+  [[nodiscard]] int sheets() const { return static_cast<int>(nesting_->fill.size()); }
+
+  void write_panels() {
+    for (int sheet = 0; sheet < sheets(); ++sheet) {
+      const Panel panel = panel_of(islands_, art_, *nesting_, sheet);
+      write_archive(fmt::format("order/{}_board.zip", panel.name), panel.board);
+      write_archive(fmt::format("order/{}_assembly.zip", panel.name), panel.assembly);
+      const double width_mm = panel.size_mm.minCoeff(), length_mm = panel.size_mm.maxCoeff();
+      if (width_mm > kMaxPanelWidth_mm || length_mm > kMaxPanelLength_mm)
+        report_.advice.push_back(
+            fmt::format("{} is {:.0f} x {:.0f} mm; many makers of flexible boards take {:g} x {:g} mm: ask, or give "
+                        "--sheet-mm {:g},{:g}",
+                        panel.name, panel.size_mm.x(), panel.size_mm.y(), kMaxPanelWidth_mm, kMaxPanelLength_mm,
+                        kMaxPanelWidth_mm - 14, kMaxPanelLength_mm - 14));
+    }
+  }
+  void write_archive(const std::string& name, const std::vector<NamedFile>& files) {
+    const fs::path path = folder_.path() / name;
+    fs::create_directories(path.parent_path());
+    ZipFile zip(path);
+    for (const NamedFile& file : files) zip.add(file.name, file.bytes);
+    zip.close();
+    report_.files.push_back(name);
   }
 
   const design::Design& design_;
   const FabricationOptions& options_;
   sheet::Sides sides_;
   std::vector<FlatIsland> islands_;
+  std::vector<BoardArt> art_;  // One for each island, or none if boards are left out.
+  std::optional<Nesting> nesting_;
   NewFolder folder_;
   FabricationReport report_;
 };

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "board_art.hpp"
 #include "kicad.hpp"
 #include "kicad_text.hpp"
-#include "module_tracks.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/design/module_number.hpp"
-#include "triskin/design/module_side.hpp"
 
 namespace triskin::fabrication {
 namespace {
@@ -48,33 +44,20 @@ constexpr const char* kBoardSetup =
     "      (layer \"B.Mask\" (type \"Bottom Solder Mask\") (thickness 0.025))\n"
     "      (copper_finish \"ENIG\")\n      (dielectric_constraints no)\n    )\n    (pad_to_mask_clearance 0)\n  )\n";
 
-// Tells where a module lies on its island, and how the side of its port A is turned there.
-struct Pose {
-  Vec2 center_mm;
-  double angle_rad = 0.0;
-  [[nodiscard]] Vec2 operator*(const Vec2& p) const { return center_mm + Eigen::Rotation2Dd(angle_rad) * p; }
-};
-
-Pose pose_of(const FlatIsland& island, const PlacedModule& module, int rotation) {
-  const Vec2 a = corner_on(island, module.tile, rotation), b = corner_on(island, module.tile, (rotation + 1) % 3);
-  const Vec2 c = corner_on(island, module.tile, (rotation + 2) % 3);
-  return {(a + b + c) / 3.0, std::atan2((b - a).y(), (b - a).x())};
-}
-
-// A cable at a port belongs to a controller, or is one end of a jumper.
-struct Cable {
-  std::string reference;
-  int module = -1;
-  std::size_t port = 0;
-};
-
 class Board {
  public:
   Board(const design::Design& design, const sheet::Sides& sides, const FlatIsland& island)
-      : design_(design), sides_(sides), island_(island), wiring_(design::wiring_of(design)) {
+      : design_(design), island_(island) {
     for (const Vec2& p : island.outline_mm) high_mm_ = high_mm_.cwiseMax(p);
-    for (const int id : island.modules) add_module(id);
-    for (const Cable& cable : cables()) add_cable(cable);
+    const BoardArt art = board_art(design, sides, island);
+    for (const ArtFootprint& part : art.footprints) footprint(part);
+    for (const ArtTrack& t : art.tracks)
+      items_ += fmt::format("  (segment (start {}) (end {}) (width {:g}) (layer \"{}\") (net {}))\n", at(t.from_mm),
+                            at(t.to_mm), t.width_mm, copper_layer_name(t.layer), net(t.net));
+    for (const ArtVia& via : art.vias)
+      items_ += fmt::format("  (via (at {}) (size {:g}) (drill {:g}) (layers \"F.Cu\" \"B.Cu\") (net {}))\n",
+                            at(via.at_mm), kContactPad_mm, kContactHole_mm, net(via.net));
+    for (const ArtPlane& p : art.planes) plane(p);
   }
 
   [[nodiscard]] std::string text() const {
@@ -103,116 +86,32 @@ class Board {
     return fmt::format("{:.6f} {:.6f}", p.x() + kPageMargin_mm, high_mm_.y() - p.y() + kPageMargin_mm);
   }
 
-  void track(const Vec2& from, const Vec2& to, double width_mm, const char* layer, const std::string& name) {
-    items_ += fmt::format("  (segment (start {}) (end {}) (width {:g}) (layer \"{}\") (net {}))\n", at(from), at(to),
-                          width_mm, layer, net(name));
-  }
-
-  void footprint(const char* name, const std::string& reference, const Pose& pose,
-                 const std::vector<std::pair<ModulePad, std::string>>& pads) {
-    items_ += fmt::format("  (footprint \"Triskin:{}\" (layer \"F.Cu\")\n    (at {} {:.4f})\n    (attr smd)\n", name,
-                          at(pose.center_mm), degrees(pose.angle_rad));
+  void footprint(const ArtFootprint& part) {
+    items_ += fmt::format("  (footprint \"Triskin:{}\" (layer \"F.Cu\")\n    (at {} {:.4f})\n    (attr smd)\n",
+                          part.name, at(part.pose.center_mm), degrees(part.pose.angle_rad));
     const char* const font = "(effects (font (size 1 1) (thickness 0.15)))";
-    items_ += fmt::format("    (fp_text reference \"{}\" (at 0 0) (layer \"F.Fab\") {})\n", reference, font);
-    items_ += fmt::format("    (fp_text value \"{}\" (at 0 2) (layer \"F.Fab\") {})\n", name, font);
-    for (const auto& [pad, pad_net] : pads) {
-      items_ += pad_text(pad, pose.angle_rad, pad_net.empty() ? "" : net_text(pad_net));
+    items_ += fmt::format("    (fp_text reference \"{}\" (at 0 0) (layer \"F.Fab\") {})\n", part.reference, font);
+    items_ += fmt::format("    (fp_text value \"{}\" (at 0 2) (layer \"F.Fab\") {})\n", part.name, font);
+    for (const auto& [pad, pad_net] : part.pads) {
+      items_ += pad_text(pad, part.pose.angle_rad, pad_net.empty() ? "" : net_text(pad_net));
       auto& pins = pins_[pad_net];
-      const std::array<std::string, 2> pin{reference, pad.name};
+      const std::array<std::string, 2> pin{part.reference, pad.name};
       if (pins.empty() || pins.back() != pin) pins.push_back(pin);  // A contact has two pads of the same name.
     }
+    if (part.name == std::string_view(kModuleName)) items_ += module_details(part.pose.angle_rad);
     items_ += "  )\n";
-    components_.push_back({reference, name});
+    components_.push_back({part.reference, part.name});
   }
 
-  [[nodiscard]] Pose pose_of_module(int id) const {
-    const auto k = static_cast<std::size_t>(id);
-    return pose_of(island_, design_.layout.modules[k], wiring_[k].patch < 0 ? 0 : wiring_[k].routed.rotation);
-  }
-
-  void add_module(int id) {
-    const ModuleSetting setting = setting_of(design_, wiring_, layout::ModuleId{id});
-    const Pose pose = pose_of_module(id);
-    std::vector<std::pair<ModulePad, std::string>> pads;
-    for (const ModulePad& pad : module_pads()) pads.emplace_back(pad, net_of(pad, setting));
-    footprint(kModuleName, fmt::format("M{}", design::number_of(design_, id)), pose, pads);
-    for (std::size_t k = 0; k < kBusNets; ++k) {
-      const auto ring = ring_of(k, island_.corner_cut_mm);
-      for (std::size_t p = 0; p < ring.size(); ++p)
-        track(pose * ring[p], pose * ring[(p + 1) % ring.size()], kTrack_mm, "In2.Cu", bus_net_name(setting, k));
-    }
-    for (const Strap& strap : straps()) {
-      if (is_closed(strap, setting))
-        track(pose * strap.at_mm[0], pose * strap.at_mm[1], kStrapTrack_mm, "B.Cu", strap_net(strap, setting));
-    }
-    add_inner_tracks(setting, pose);
-    add_joints(id, setting, pose);
-  }
-
-  void add_inner_tracks(const ModuleSetting& setting, const Pose& pose) {
-    std::map<std::string, std::string> net_of_pad;
-    for (const ModulePad& pad : module_pads()) net_of_pad.emplace(pad.name, net_of(pad, setting));
-    for (const ModuleTrack& t : module_routing().tracks)
-      track(pose * t.from_mm, pose * t.to_mm, kNarrowTrack_mm, copper_layer_name(t.layer), net_of_pad.at(t.pad));
-    for (const ModuleVia& via : module_routing().vias)
-      items_ += fmt::format("  (via (at {}) (size {:g}) (drill {:g}) (layers \"F.Cu\" \"B.Cu\") (net {}))\n",
-                            at(pose * via.at_mm), kContactPad_mm, kContactHole_mm, net(net_of_pad.at(via.pad)));
-  }
-
-  static std::string strap_net(const Strap& strap, const ModuleSetting& setting) {
-    return net_of({strap.name + ".1", PadLayer::kBack, {}, {}, 0.0}, setting);
-  }
-
-  // Draws straight tracks over every kept fold, from the lower module. A contact at +x meets the other's at −x.
-  void add_joints(int id, const ModuleSetting& setting, const Pose& pose) {
-    for (int s = 0; s < 3; ++s) {
-      const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];
-      if (side.kind != sheet::SideKind::kKept || side.other < id) continue;
-      const std::size_t port = port_at(id, s);
-      for (std::size_t k = 0; k < kBusNets; ++k) {
-        for (const int sign : {-1, 1}) {
-          const Vec2 from = contact_at(port, k, sign);
-          const Vec2 outward =
-              Eigen::Rotation2Dd(2.0 * std::numbers::pi / 3.0 * static_cast<double>(port)) * Vec2(0, -1);
-          track(pose * from, pose * (from + 2.0 * kContacts[k].inset_mm * outward), kTrack_mm, "In1.Cu",
-                bus_net_name(setting, k));
-        }
-      }
-    }
-  }
-
-  [[nodiscard]] std::size_t port_at(int id, int side) const {
-    const auto& wired = wiring_[static_cast<std::size_t>(id)];
-    return static_cast<std::size_t>(design::port_at_side(side, wired.patch < 0 ? 0 : wired.routed.rotation));
-  }
-
-  [[nodiscard]] std::vector<Cable> cables() const {
-    std::vector<Cable> all;
-    for (const int id : island_.modules) {
-      for (int s = 0; s < 3; ++s) {
-        const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];
-        if (side.cable)
-          all.push_back({fmt::format("C{}", wiring_[static_cast<std::size_t>(id)].patch), id, port_at(id, s)});
-        if (side.jumper >= 0)
-          all.push_back({fmt::format("J{}_M{}", side.jumper, design::number_of(design_, id)), id, port_at(id, s)});
-      }
-    }
-    return all;
-  }
-
-  void add_cable(const Cable& cable) {
-    const ModuleSetting setting = setting_of(design_, wiring_, layout::ModuleId{cable.module});
-    Pose pose = pose_of_module(cable.module);
-    pose.angle_rad += 2.0 * std::numbers::pi / 3.0 * static_cast<double>(cable.port);
-    std::vector<std::pair<ModulePad, std::string>> pads;
-    for (const ModulePad& pad : cable_pads()) pads.emplace_back(pad, bus_net_name(setting, kCablePinNets[pads.size()]));
-    footprint(kCableName, cable.reference, pose, pads);
-    for (std::size_t pin = 0; pin < kBusNets; ++pin) {
-      const auto points = cable_track(pin);
-      for (std::size_t p = 0; p + 1 < points.size(); ++p)
-        track(pose * points[p], pose * points[p + 1], kNarrowTrack_mm, "B.Cu",
-              bus_net_name(setting, kCablePinNets[pin]));
-    }
+  // The file has the zone and its filling, so that a plot without filling it anew is right as well.
+  void plane(const ArtPlane& plane) {
+    std::string points;
+    for (const Vec2& p : plane.ring_mm) points += fmt::format(" (xy {})", at(p));
+    items_ += fmt::format(
+        "  (zone (net {}) (net_name \"{}\") (layer \"In1.Cu\") (hatch edge 0.508)\n    (connect_pads yes (clearance "
+        "{:g}))\n    (min_thickness 0.025) (filled_areas_thickness no)\n    (fill yes (thermal_gap 0.2) "
+        "(thermal_bridge_width 0.2))\n    (polygon (pts{}))\n    (filled_polygon (layer \"In1.Cu\") (pts{}))\n  )\n",
+        net(plane.net), plane.net, kClearance_mm, points, points);
   }
 
   [[nodiscard]] std::string line(const Vec2& from, const Vec2& to, const char* layer, double width_mm) const {
@@ -248,9 +147,7 @@ class Board {
   }
 
   const design::Design& design_;
-  const sheet::Sides& sides_;
   const FlatIsland& island_;
-  std::vector<design::ModuleWiring> wiring_;
   Vec2 high_mm_{0, 0};
   std::map<std::string, int> nets_;
   std::map<std::string, std::vector<std::array<std::string, 2>>> pins_;
@@ -261,11 +158,6 @@ class Board {
 }  // namespace
 
 std::string island_board(const design::Design& design, const sheet::Sides& sides, const FlatIsland& island) {
-  if (design.layout.corner_cut_mm > kMaxBoardCornerCut_mm)
-    throw InputError(fmt::format(
-        "corners are cut by {} mm, and beyond {} mm the pads of three taxels lie over the edge: boards are left out; "
-        "make the design with a smaller --corner-cut-mm, or write the other files with --only",
-        design.layout.corner_cut_mm, kMaxBoardCornerCut_mm));
   return Board(design, sides, island).text();
 }
 

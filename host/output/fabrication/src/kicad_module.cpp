@@ -26,8 +26,7 @@ struct PadForm {
 PadForm form_of(const ModulePad& pad) {
   if (pad.layer == PadLayer::kThrough) return {"thru_hole", "circle", "\"*.Cu\""};
   if (pad.layer == PadLayer::kTouch) return {"smd", "circle", "\"F.Cu\""};
-  const bool is_strap = pad.name.starts_with("S") || pad.name.starts_with("ADD");
-  return {"smd", "rect", is_strap ? "\"B.Cu\" \"B.Mask\"" : "\"B.Cu\" \"B.Paste\" \"B.Mask\""};
+  return {"smd", "rect", has_paste(pad) ? "\"B.Cu\" \"B.Paste\" \"B.Mask\"" : "\"B.Cu\" \"B.Mask\""};
 }
 
 std::string effects() {
@@ -67,6 +66,12 @@ std::string value_of(const std::string& component) {
 
 }  // namespace
 
+bool has_paste(const ModulePad& pad) {
+  const bool is_strap = pad.name.starts_with("S") || pad.name.starts_with("ADD");
+  return pad.layer == PadLayer::kBack && !is_strap &&
+         pad.name != "U1.25";  // paste_windows() has the paste of that one.
+}
+
 double degrees(double angle_rad) {
   return unsigned_zero(angle_rad * 180.0 / std::numbers::pi);
 }
@@ -78,6 +83,29 @@ std::string pad_text(const ModulePad& pad, double turn_rad, const std::string& n
   return fmt::format("    (pad \"{}\" {} {} (at {:.6f} {:.6f} {:.4f}) (size {:g} {:g}){} (layers {}){})\n", pad.name,
                      form.kind, form.shape, unsigned_zero(pad.at_mm.x()), unsigned_zero(-pad.at_mm.y()),
                      degrees(pad.angle_rad + turn_rad), pad.size_mm.x(), pad.size_mm.y(), drill, form.layers, net);
+}
+
+std::string module_details(double turn_rad) {
+  std::string text;
+  for (const ModulePad& w : paste_windows())
+    text += fmt::format("    (pad \"\" smd rect (at {:.6f} {:.6f} {:.4f}) (size {:g} {:g}) (layers \"B.Paste\"))\n",
+                        w.at_mm.x(), unsigned_zero(-w.at_mm.y()), degrees(turn_rad), w.size_mm.x(), w.size_mm.y());
+  const auto line = [&](const Vec2& a, const Vec2& b, const char* layer, double width_mm) {
+    text += fmt::format("    (fp_line (start {:.4f} {:.4f}) (end {:.4f} {:.4f}) (layer \"{}\") (width {:g}))\n", a.x(),
+                        unsigned_zero(-a.y()), b.x(), unsigned_zero(-b.y()), layer, width_mm);
+  };
+  for (const ModulePart& part : module_parts()) {
+    const Vec2 h = part.half_size_mm;
+    const std::array<Vec2, 4> box{part.at_mm - h, part.at_mm + Vec2(h.x(), -h.y()), part.at_mm + h,
+                                  part.at_mm + Vec2(-h.x(), h.y())};
+    for (std::size_t k = 0; k < box.size(); ++k) line(box[k], box[(k + 1) % box.size()], "B.CrtYd", 0.05);
+    text += fmt::format(
+        "    (fp_text user \"{}\" (at {:.4f} {:.4f} {:.4f}) (layer \"B.Fab\") (effects (font (size 0.6 0.6) (thickness "
+        "0.1)) (justify mirror)))\n",
+        part.designator, part.at_mm.x(), unsigned_zero(-part.at_mm.y()), degrees(turn_rad));
+  }
+  for (const SilkLine& l : module_silk()) line(l.from_mm, l.to_mm, "B.SilkS", kSilk_mm);
+  return text;
 }
 
 std::vector<ModulePad> cable_pads() {
@@ -96,7 +124,7 @@ std::string module_footprint() {
   text += "  (fp_text reference \"M**\" (at 0 0) (layer \"F.Fab\") " + effects() + ")\n";
   text += fmt::format("  (fp_text value \"{}\" (at 0 2) (layer \"F.Fab\") {})\n", kModuleName, effects());
   for (const ModulePad& pad : module_pads()) text += pad_text(pad, 0.0, "");
-  return text + ")\n";
+  return text + module_details(0.0) + ")\n";
 }
 
 std::string module_symbol() {

@@ -69,41 +69,47 @@ void add_chip(std::vector<ModulePad>& pads) {
   pads.push_back({"U1.25", PadLayer::kBack, {0, 0}, {2.3, 2.3}, 0.0});
 }
 
+// C1 (100 nF) beside VCC, less than 2 mm away, and C3 (10 nF) beside BIAS, both along the chip's upper side; C2 (1 µF)
+// next to the straps.
 void add_capacitors(std::vector<ModulePad>& pads) {
-  constexpr double kInset_mm = 5.4, kHalfPitch_mm = 0.48;
-  for (std::size_t c = 0; c < layout::kPorts; ++c) {
+  constexpr double kHalfPitch_mm = 0.48;
+  for (const ModulePart& part : module_parts()) {
+    if (part.designator[0] != 'C') continue;
+    // Pad 1 lies left as seen from the back, thus right as seen from the touch side, if the angle is 0.
+    const double first_mm = part.angle_rad == 0.0 ? kHalfPitch_mm : -kHalfPitch_mm;
     for (const int end : {0, 1}) {
-      const Vec2 at = beside_port_a(end == 0 ? -kHalfPitch_mm : kHalfPitch_mm, kInset_mm);
-      pads.push_back({fmt::format("C{}.{}", c + 1, end + 1),
-                      PadLayer::kBack,
-                      turned(at, port_angle_rad(c)),
-                      {0.56, 0.62},
-                      port_angle_rad(c)});
+      const Vec2 at = part.at_mm + Vec2(end == 0 ? first_mm : -first_mm, 0.0);
+      pads.push_back({fmt::format("{}.{}", part.designator, end + 1), PadLayer::kBack, at, {0.56, 0.62}, 0.0});
     }
   }
 }
 
-constexpr double kStrapPadLength_mm = 0.6, kStrapPadWidth_mm = 0.5;
+constexpr double kStrapPadLength_mm = 0.55, kStrapPadWidth_mm = 0.5;
 
-// Four straps lie in two rows towards corner 0, and their turned copies at the other corners.
+// Six straps lie in three rows towards corner 2 (SDA and ADD0) and corner 1 (SCL and ADD1); the third corner is left to
+// the sensor tracks.
 Strap strap_at(std::string name, std::size_t corner, std::size_t place) {
-  constexpr double kFirstRow_mm = 3.6, kRowPitch_mm = 1.0, kBesideMiddle_mm = 0.85, kHalfPitch_mm = 0.35;
+  constexpr double kFirstRow_mm = 4.7, kRowPitch_mm = 1.0, kBesideMiddle_mm = 0.8, kHalfPitch_mm = 0.4;
   const double from_middle_mm = kFirstRow_mm + kRowPitch_mm * static_cast<double>(place / 2);
-  const double across_mm = place % 2 == 0 ? -kBesideMiddle_mm : kBesideMiddle_mm;
+  // The pads of the chip's net lie inside, those of the bus outside, where its tracks arrive.
+  const double side = place % 2 == 0 ? -1.0 : 1.0;
   const double angle_rad = 7.0 * std::numbers::pi / 6.0 + port_angle_rad(corner);
   return {std::move(name),
-          {turned({from_middle_mm, across_mm - kHalfPitch_mm}, angle_rad),
-           turned({from_middle_mm, across_mm + kHalfPitch_mm}, angle_rad)}};
+          {turned({from_middle_mm, side * (kBesideMiddle_mm + kHalfPitch_mm)}, angle_rad),
+           turned({from_middle_mm, side * (kBesideMiddle_mm - kHalfPitch_mm)}, angle_rad)}};
 }
 
 std::vector<Strap> made_straps() {
   std::vector<Strap> all;
-  for (std::size_t line = 0; line < layout::kLines; ++line)
-    all.push_back(strap_at(fmt::format("SDA{}", line), 0, line));
-  for (std::size_t line = 0; line < layout::kLines; ++line)
-    all.push_back(strap_at(fmt::format("SCL{}", line), 1, line));
-  std::size_t place = 0;
-  for (const char* name : {"ADD0L", "ADD0H", "ADD1L", "ADD1H"}) all.push_back(strap_at(name, 2, place++));
+  constexpr std::size_t kUpper = 2, kLowerRight = 1;
+  const auto add_corner = [&](std::size_t corner, const char* wire, const char* address) {
+    std::size_t place = 0;
+    for (const char* level : {"L", "H"}) all.push_back(strap_at(fmt::format("{}{}", address, level), corner, place++));
+    for (int line = 0; line < layout::kLines; ++line)
+      all.push_back(strap_at(fmt::format("{}{}", wire, line), corner, place++));
+  };
+  add_corner(kUpper, "SDA", "ADD0");
+  add_corner(kLowerRight, "SCL", "ADD1");
   return all;
 }
 
@@ -154,9 +160,9 @@ std::string net_of_pin(std::string_view pin, const ModuleSetting& setting) {
   if (pin == "SCLK") return line_net(setting, 1);
   if (pin == "ADD0") return address_net(setting, 0);
   if (pin == "ADD1") return address_net(setting, 1);
-  if (pin == "BIAS") return own_net(setting, pin);
+  if (pin == "BIAS" || pin == "ACSHIELD") return own_net(setting, pin);
   if (pin.starts_with("CIN") && pin != "CIN12") return own_net(setting, pin);
-  return "";  // CIN12, ACSHIELD, INT and GPIO are open.
+  return "";  // CIN12, INT and GPIO are open.
 }
 
 std::string net_of_capacitor(const std::string& name, const ModuleSetting& setting) {
@@ -179,6 +185,50 @@ const std::array<std::string_view, 24>& chip_pins() {
       "CIN6", "CIN7", "CIN8", "CIN9", "CIN10", "CIN11", "CIN12", "ACSHIELD", "BIAS", "GND",  "VCC",  "VDRIVE",
       "SDA",  "ADD0", "SCLK", "ADD1", "INT",   "GPIO",  "CIN0",  "CIN1",     "CIN2", "CIN3", "CIN4", "CIN5"};
   return kPins;
+}
+
+const std::vector<ModulePad>& paste_windows() {
+  static const std::vector<ModulePad> kAll = [] {
+    constexpr double kFromMiddle_mm = 0.575, kSide_mm = 0.85;
+    std::vector<ModulePad> windows;
+    for (const double x_mm : {-kFromMiddle_mm, kFromMiddle_mm}) {
+      for (const double y_mm : {-kFromMiddle_mm, kFromMiddle_mm})
+        windows.push_back({"", PadLayer::kBack, {x_mm, y_mm}, Vec2::Constant(kSide_mm), 0.0});
+    }
+    return windows;
+  }();
+  return kAll;
+}
+
+const std::array<ModulePart, 4>& module_parts() {
+  constexpr double kHalfTurn_rad = std::numbers::pi;
+  static const std::array<ModulePart, 4> kParts{
+      {{"U1",
+        "AD7147-1",
+        "LFCSP-24 4 x 4 mm",
+        "Analog Devices",
+        "AD7147ACPZ-1500RL7",
+        {0, 0},
+        kHalfTurn_rad,
+        {2.55, 2.55}},
+       {"C1", "100 nF 16 V X7R", "0402", "Murata", "GRM155R71C104KA88D", {0.93, 3.1}, kHalfTurn_rad, {0.91, 0.46}},
+       {"C2", "1 uF 10 V X5R", "0402", "Murata", "GRM155R61A105KE15D", {-2.3, 4.02}, 0.0, {0.91, 0.46}},
+       {"C3", "10 nF 50 V X7R", "0402", "Murata", "GRM155R71H103KA88D", {-1.03, 3.07}, 0.0, {0.91, 0.46}}}};
+  return kParts;
+}
+
+const std::vector<SilkLine>& module_silk() {
+  static const std::vector<SilkLine> kAll = [] {
+    // A short bar at the corner between pins 1 and 24, and both other free corners of the body.
+    constexpr double kBody_mm = 2.15, kEnd_mm = 1.6;
+    std::vector<SilkLine> lines{{{-2.5, -2.1}, {-2.1, -2.5}}, {{-2.4, -2.0}, {-2.0, -2.4}}};
+    for (const double x : {-kBody_mm, kBody_mm}) {
+      lines.push_back({{x, kBody_mm}, {std::copysign(kEnd_mm, x), kBody_mm}});
+      lines.push_back({{x, kBody_mm}, {x, kEnd_mm}});
+    }
+    return lines;
+  }();
+  return kAll;
 }
 
 const std::vector<Strap>& straps() {
@@ -252,10 +302,10 @@ Vec2 cable_pad_at(std::size_t pin) {
   return beside_port_a(kCablePitch_mm * (static_cast<double>(pin) - 4.5), kCableInset_mm);
 }
 
-// The three outer pins of each end leave towards the middle of the module and turn outwards in separate lanes, the
-// outermost pin in the lowest one, so that no two cross. The four middle pins run straight to their contacts.
+// The three outer pins of each end leave outwards and run along the side, the innermost pin nearest to it, so that no
+// two cross and every contact stays open towards the middle. The four middle pins run straight to their contacts.
 std::vector<Vec2> cable_track(std::size_t pin) {
-  constexpr double kFirstLane_mm = 2.65, kLanePitch_mm = 0.25;
+  constexpr double kFirstLane_mm = 0.8, kLanePitch_mm = 0.2;
   const std::size_t net = kCablePinNets.at(pin);
   const Contact& contact = kContacts.at(net);
   const Vec2 pad = cable_pad_at(pin);
@@ -263,7 +313,7 @@ std::vector<Vec2> cable_track(std::size_t pin) {
   const double along_mm = is_left ? -contact.along_mm : contact.along_mm;
   const std::size_t from_end = is_left ? pin : kBusNets - 1 - pin;
   if (from_end < 3) {
-    const double lane_mm = kFirstLane_mm + kLanePitch_mm * static_cast<double>(from_end);
+    const double lane_mm = kFirstLane_mm - kLanePitch_mm * static_cast<double>(from_end);
     return {pad, beside_port_a(pad.x(), lane_mm), beside_port_a(along_mm, lane_mm),
             beside_port_a(along_mm, contact.inset_mm)};
   }

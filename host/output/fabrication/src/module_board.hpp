@@ -32,22 +32,30 @@ struct Contact {
   double along_mm, inset_mm;
 };
 /// The index is the bus net. Four nets cross between the two middle taxels of a side, six between the outer ones,
-/// because their plated holes reach the touch side. GND is the outermost ring.
-inline constexpr std::array<Contact, kBusNets> kContacts{{{5.5, 0.8},
-                                                          {5.9, 1.2},
-                                                          {6.3, 1.6},
-                                                          {6.7, 2.0},
-                                                          {7.1, 2.4},
-                                                          {7.5, 2.8},
-                                                          {0.25, 3.2},
-                                                          {0.65, 3.6},
-                                                          {1.05, 4.0},
-                                                          {1.45, 4.4}}};
+/// because their plated holes reach the touch side. GND is the outermost ring; nothing plated lies nearer to a side,
+/// because the joint bends there (bend.hpp).
+inline constexpr std::array<Contact, kBusNets> kContacts{{{5.75, 1.85},
+                                                          {6.15, 2.23},
+                                                          {6.55, 2.61},
+                                                          {6.95, 2.965},
+                                                          {7.35, 3.32},
+                                                          {7.75, 3.675},
+                                                          {0.25, 4.03},
+                                                          {0.65, 4.385},
+                                                          {1.05, 4.74},
+                                                          {1.45, 5.095}}};
 
 inline constexpr double kTrack_mm = 0.15, kNarrowTrack_mm = 0.1, kStrapTrack_mm = 0.4;
+/// Supply rings and their tracks over joints are wider than those of the lines.
+[[nodiscard]] constexpr double ring_track_mm(std::size_t net) {
+  return net < 2 ? kTrack_mm : kNarrowTrack_mm;
+}
 inline constexpr double kClearance_mm = 0.1, kEdgeClearance_mm = 0.3;
 inline constexpr double kContactPad_mm = 0.4, kContactHole_mm = 0.2;
 inline constexpr double kPressurePad_mm = 3.5, kTemperaturePad_mm = 2.0;  ///< Both values are diameters.
+/// The plane that ACSHIELD drives, on the first inner layer, begins this far from a side, where the pads of the outer
+/// taxels begin. So no copper but the tracks of a joint lies nearer to a side.
+inline constexpr double kShieldInset_mm = 1.25;
 /// A larger corner cut would leave less than kEdgeClearance_mm beside the pads of the corner taxels.
 inline constexpr double kMaxBoardCornerCut_mm = 4.5;
 
@@ -75,6 +83,34 @@ struct ModulePad {
 /// Returns the names of pins 1 … 24 of the AD7147-1 in its LFCSP of 24 pins; [0] is pin 1. Source: its data sheet,
 /// functional block diagram; the net list of a public board with this chip agrees (opendous).
 [[nodiscard]] const std::array<std::string_view, 24>& chip_pins();
+
+/// Pin 8 of the chip drives the shield (AD7147 data sheet, ACSHIELD).
+inline constexpr const char* kShieldPin = "U1.8";
+
+/// Paste for the chip's wide pad: four windows that cover 55 % of it, so that the chip does not float. Frame of the
+/// module. Constant cost.
+[[nodiscard]] const std::vector<ModulePad>& paste_windows();
+
+/// A part that is soldered to a module.
+struct ModulePart {
+  const char* designator;
+  const char* value;
+  const char* package;
+  const char* manufacturer;
+  const char* order_number;
+  design::Vec2 at_mm;         ///< its middle
+  double angle_rad;           ///< from pin 1 at the left or upper left, as seen from the back, counter-clockwise there
+  design::Vec2 half_size_mm;  ///< of its courtyard
+};
+/// Returns U1 and C1 … C3. Constant cost.
+[[nodiscard]] const std::array<ModulePart, 4>& module_parts();
+
+/// Silkscreen of the back: a mark beside pin 1 of the chip, and lines between the pads of each capacitor.
+inline constexpr double kSilk_mm = 0.15;
+struct SilkLine {
+  design::Vec2 from_mm, to_mm;
+};
+[[nodiscard]] const std::vector<SilkLine>& module_silk();
 
 /// A strap has two pads on the back, NAME.1 and NAME.2, which copper joins when it is closed.
 struct Strap {

@@ -15,7 +15,7 @@ using design::Vec2;
 
 // On a module without patch, line and address every net of the bus, of the chip and of the straps has its own name.
 constexpr ModuleSetting kAnyModule{};
-constexpr int kInner1 = 1;
+constexpr int kBackLayer = kCopperLayers - 1;
 
 FixedCopper copper_of(const ModulePad& pad, int net) {
   FixedCopper copper{.from_mm = pad.at_mm, .to_mm = pad.at_mm, .angle_rad = pad.angle_rad, .net = net};
@@ -47,9 +47,12 @@ class ModuleRoute {
     for (const ModulePad& pad : module_pads()) add_pad(pad);
     for (std::size_t port = 0; port < layout::kPorts; ++port) add_port(port);
     std::vector<NetPads> nets;
-    std::vector<bool> front_nets(net_number_.size() + 2, false);
-    for (const auto& [name, number] : net_number_) front_nets[at(number)] = name.find("_CIN") != std::string::npos;
-    const RouteGrid grid(copper_, front_nets);
+    std::vector<NetKind> kinds(net_number_.size() + 2, NetKind::kDigital);
+    for (const auto& [name, number] : net_number_) {
+      if (name.find("_CIN") != std::string::npos) kinds[at(number)] = NetKind::kSensor;
+      if (name.ends_with("_ACSHIELD")) kinds[at(number)] = NetKind::kShield;
+    }
+    const RouteGrid grid(copper_, kinds);
     for (const auto& [number, pads] : pads_of_net_) nets.push_back(net_pads(grid, number, pads));
     for (const NetPath& path : route_nets(grid, nets)) add_path(grid, path);
     return std::move(routing_);
@@ -75,7 +78,8 @@ class ModuleRoute {
       const int number = number_of(bus_net_name(kAnyModule, net));
       for (const int sign : {-1, 1}) {
         const Vec2 from = contact_at(port, net, sign);
-        copper_.push_back(line_of(from, from + turn * Vec2(0, -kContacts[net].inset_mm), kTrack_mm, kInner1, number));
+        copper_.push_back(
+            line_of(from, from + turn * Vec2(0, -kContacts[net].inset_mm), ring_track_mm(net), kBackLayer, number));
       }
     }
     for (std::size_t pin = 0; pin < kBusNets; ++pin) {
@@ -92,6 +96,13 @@ class ModuleRoute {
 
   NetPads net_pads(const RouteGrid& grid, int number, const std::vector<const ModulePad*>& pads) {
     NetPads net{.net = number, .start = {}, .pads = {}};
+    if (net_of(*pads.front(), kAnyModule).ends_with("_ACSHIELD")) {
+      // The plane is everywhere; a hole near the chip's pin reaches it.
+      constexpr double kReach_mm = 4.0;
+      for (int place = 0; place < grid.nodes_per_layer(); ++place) {
+        if (grid.place_mm(place).norm() < kReach_mm) net.start.push_back(kShieldLayer * grid.nodes_per_layer() + place);
+      }
+    }
     for (const ModulePad* pad : pads) {
       const std::vector<int> nodes = grid.nodes_in(copper_of(*pad, number));
       if (pad->layer == PadLayer::kThrough) {

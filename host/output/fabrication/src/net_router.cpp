@@ -13,8 +13,10 @@
 namespace triskin::fabrication {
 namespace {
 
-constexpr int kRounds = 60;
-constexpr float kDiagonal = 1.4142F, kHoleCost = 12.0F, kFirstPressure = 0.5F, kPressureGrowth = 1.5F;
+constexpr int kRounds = 150;
+// Every so many rounds all nets are routed anew, not only those in dispute, so that a free one makes room.
+constexpr int kAllEvery = 8;
+constexpr float kDiagonal = 1.4142F, kHoleCost = 12.0F, kFirstPressure = 0.5F, kPressureGrowth = 1.1F;
 constexpr float kHistory = 1.0F;
 constexpr float kTurnCost = 0.1F;  // Of two paths of one length, the one with fewer turns is taken.
 // Squared distances in steps of the grid, up to which copper of two nets is too near: 0.2 mm between the middles of two
@@ -107,7 +109,7 @@ class Router {
   std::vector<NetPath> run() {
     for (int round = 0; round < kRounds; ++round) {
       for (std::size_t k = 0; k < nets_.size(); ++k) {
-        if (round > 0 && !is_crossed(k)) continue;
+        if (round % kAllEvery > 0 && !is_crossed(k)) continue;
         congestion_.change(paths_[k], -1);
         paths_[k] = paths_of(nets_[k]);
         congestion_.change(paths_[k], 1);

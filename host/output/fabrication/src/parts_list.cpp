@@ -9,16 +9,6 @@
 namespace triskin::fabrication {
 namespace {
 
-// Lists the parts on each module (module_board.hpp).
-std::vector<PartLine> module_parts(int modules) {
-  return {
-      {"capacitance converter", modules, "Analog Devices", "AD7147ACPZ-1500RL7", "U1, LFCSP-24 4 x 4 mm, I2C"},
-      {"capacitor 100 nF 16 V X7R 0402", modules, "Murata", "GRM155R71C104KA88D", "C1, supply"},
-      {"capacitor 1 uF 10 V X5R 0402", modules, "Murata", "GRM155R61A105KE15D", "C2, supply"},
-      {"capacitor 10 nF 50 V X7R 0402", modules, "Murata", "GRM155R71H103KA88D", "C3, BIAS"},
-  };
-}
-
 void add_cables(const std::vector<sheet::PieceCount>& pieces, const char* part, const char* note,
                 std::vector<PartLine>& parts) {
   for (const auto& [length_mm, count] : pieces) {
@@ -45,7 +35,12 @@ std::vector<PartLine> parts_of(const design::Design& design, const sheet::Sides&
         {"flexible board, 4 layers", 1, "", island.part_number,
          fmt::format("island {}, {} modules, {} folds", island.island, island.modules.size(), island.folds.size())});
   }
-  for (PartLine& line : module_parts(bill.modules)) parts.push_back(std::move(line));
+  for (const ModulePart& part : module_parts()) {
+    parts.push_back({fmt::format("{} {}, {}", part.designator[0] == 'U' ? "capacitance converter" : "capacitor",
+                                 part.value, part.package),
+                     bill.modules, part.manufacturer, part.order_number,
+                     fmt::format("{} of each module", part.designator)});
+  }
   parts.push_back({"patch controller with microcontroller", bill.controllers, "STMicroelectronics", "STM32G474RET6",
                    "the number is that of its microcontroller"});
   add_cables(bill.cables, "flat cable, 10 ways, 1.0 mm", "entry to rim, straight; add what lies beyond the rim", parts);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <minizip/zip.h>
 
 #include "solids.hpp"
-#include "triskin/base/error.hpp"
 #include "triskin/base/markup.hpp"
+#include "zip_file.hpp"
 
 // Follows the 3MF core specification 1.3: an OPC package (zip) of a list of types, one relation and the model.
 namespace triskin::fabrication {
@@ -20,40 +19,6 @@ constexpr const char* kRelations =
     "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"
     "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
-
-class ZipFile {
- public:
-  explicit ZipFile(const std::filesystem::path& path)
-      : path_(path), zip_(::zipOpen64(path.c_str(), APPEND_STATUS_CREATE)) {
-    if (zip_ == nullptr) fail();
-  }
-  ZipFile(const ZipFile&) = delete;
-  ZipFile& operator=(const ZipFile&) = delete;
-  ~ZipFile() {
-    if (zip_ != nullptr) ::zipClose(zip_, nullptr);
-  }
-  void add(const char* name, const std::string& bytes) {
-    const zip_fileinfo no_date{};  // A fixed date makes equal solids give equal bytes.
-    const bool is_written = ::zipOpenNewFileInZip(zip_, name, &no_date, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED,
-                                                  Z_DEFAULT_COMPRESSION) == ZIP_OK &&
-                            ::zipWriteInFileInZip(zip_, bytes.data(), static_cast<unsigned>(bytes.size())) == ZIP_OK &&
-                            ::zipCloseFileInZip(zip_) == ZIP_OK;
-    if (!is_written) fail();
-  }
-  void close() {
-    const bool is_closed = ::zipClose(zip_, nullptr) == ZIP_OK;
-    zip_ = nullptr;
-    if (!is_closed) fail();
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw InputError(
-        fmt::format("{}: cannot be written; look at the folder and the space on the disk", path_.string()));
-  }
-  std::filesystem::path path_;
-  zipFile zip_;
-};
 
 std::string object_text(const Solid& solid, std::size_t number) {
   std::string text =

@@ -81,7 +81,9 @@ int main(int count, char** arguments) {
   }
   const FrameWriter frames;
   Message::DefaultMessenger()->ChangePrinters().Clear();
-  (void)cad::enter_reader_sandbox();  // `triskin doctor` says where the kernel has none.
+  // What is written comes from triskin itself, and OpenCASCADE needs a file for it. `triskin doctor` says where there is
+  // no sandbox.
+  if (!is_writer) (void)cad::enter_reader_sandbox();
   try {
     frames.write(cad::FrameKind::kPart, answer(count, arguments, frames));
   } catch (const std::bad_alloc&) {

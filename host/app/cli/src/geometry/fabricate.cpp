@@ -48,6 +48,7 @@ nlohmann::json json_of(const fabrication::FabricationReport& report) {
           {"mould_error_mm", report.mould_error_mm},
           {"mould_folded_faces", report.mould_folded_faces},
           {"sheet_fill", report.sheet_fill},
+          {"advice", report.advice},
           {"left_out", report.left_out}};
 }
 
@@ -69,6 +70,7 @@ int run(Options options, Output& output) {
   if (products.empty() || products.contains(fabrication::Product::kKicad))
     output.say("the boards are a proposal: none was built");
   say_sheets(report.sheet_fill, output);
+  for (const std::string& sentence : report.advice) output.say(sentence);
   for (const std::string& sentence : report.left_out) output.say(sentence);
   const bool is_whole = report.left_out.empty() && report.carrier_folded_faces == 0 && report.mould_folded_faces == 0;
   return is_whole ? 0 : 1;
@@ -76,7 +78,7 @@ int run(Options options, Output& output) {
 
 const Registration kFabricate{{
     "fabricate",
-    "write what a board house and a workshop need: drawings, boards, parts list, solids, STEP assembly, sheets",
+    "write what a board house and a workshop need: drawings, boards, parts list, solids, STEP assembly, sheets, panels",
     "triskin fabricate forearm.design.json -o forearm.fabrication",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
