@@ -26,6 +26,7 @@
 #include "triskin/base/pace.hpp"
 #include "triskin/bridge/parameters.hpp"
 #include "triskin/bridge/ros_discovery.hpp"
+#include "triskin/layout/module.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::cli::bridge_command {
@@ -149,7 +150,7 @@ class StopWatch {
   static constexpr std::uint64_t kHold_ns = 500'000'000;
   [[nodiscard]] bool is_pressed(const skin::LiveSample& s) const {
     for (std::size_t t = 0; t < s.change_counts.size(); ++t) {
-      if ((s.valid >> t & 1U) == 0) continue;
+      if ((s.valid >> t & 1U) == 0 || !layout::measures_pressure(t)) continue;
       if (counts_ > 0.0 && s.change_counts[t] >= counts_) return true;
       if (kpa_ > 0.0 && s.pressure_kpa && (*s.pressure_kpa)[t] >= kpa_) return true;
     }
