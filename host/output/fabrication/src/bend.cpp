@@ -66,8 +66,7 @@ void require_bends(const design::Design& design, const sheet::Sides& sides, cons
   if (worst == nullptr) return;
   const auto degrees_of = [](double rad) { return std::abs(rad) * 180.0 / std::numbers::pi; };
   throw InputError(fmt::format(
-      "island {}: the joint of modules {} and {} bends by {:.0f}°{}; a board of {:.2f} mm bent over a radius of {:.1f} "
-      "mm "
+      "island {}: the joint of modules {} and {} bends by {:.0f}°{}; a board of {:.2f} mm over a radius of {:.1f} mm "
       "allows {:.0f}° {}; make the design with --fold-rad {:.2f}",
       island.island, design::number_of(design, worst->module[0]), design::number_of(design, worst->module[1]),
       degrees_of(worst->angle_rad), count > 1 ? fmt::format(" ({} more are too sharp)", count - 1) : std::string(),

@@ -81,8 +81,8 @@ int main(int count, char** arguments) {
   }
   const FrameWriter frames;
   Message::DefaultMessenger()->ChangePrinters().Clear();
-  // What is written comes from triskin itself, and OpenCASCADE needs a file for it. `triskin doctor` says where there is
-  // no sandbox.
+  // What is written comes from triskin itself, and OpenCASCADE needs a file for it. `triskin doctor` says where there
+  // is no sandbox.
   if (!is_writer) (void)cad::enter_reader_sandbox();
   try {
     frames.write(cad::FrameKind::kPart, answer(count, arguments, frames));
