@@ -96,6 +96,7 @@ class Ad7147 {
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
   /// Makes it another chip of the series. Call it before the chip is used.
   void set_behaviour(const Ad7147Behaviour& behaviour);
+  [[nodiscard]] const Ad7147Behaviour& behaviour() const { return behaviour_; }
 
   // The following functions are what an I²C target sees between start and stop. `now_us` is virtual time and never
   // decreases.

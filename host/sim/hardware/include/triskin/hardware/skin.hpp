@@ -136,6 +136,8 @@ class Skin {
     modules_.at(static_cast<std::size_t>(module)).show(counts);
   }
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
+  /// Returns the converter of module 0 … modules() − 1. Throws std::out_of_range.
+  [[nodiscard]] const Ad7147& chip(layout::ModuleId id) const { return *chips_.at(static_cast<std::size_t>(id)); }
   /// Returns the pads of module 0 … modules() − 1. Throws std::out_of_range.
   [[nodiscard]] const ModuleSkin& module(layout::ModuleId id) const {
     return modules_.at(static_cast<std::size_t>(id));
