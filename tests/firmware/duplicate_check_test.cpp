@@ -220,13 +220,20 @@ std::array<double, 12> electrodes(std::mt19937& random, double low_pf, double hi
   return counts;
 }
 
-// Searches the offsets at the negative input, as ChipSetup does, and returns the larger residual of both comparisons.
+struct Judged {
+  float residual_counts;  // the larger one of both comparisons
+  int at_end;             // so many taxels are at an end of their range with the offsets that were found
+};
+
+// Searches the offsets at the negative input, as ChipSetup does, and compares.
 template <class Read>
-float judged(Read read) {
+Judged judged(Read read) {
   OffsetSearch search;
   search.begin();
-  while (search.adjust(read(search.offsets(), Ad7147::Polarity::kNegative), Ad7147::Polarity::kNegative)) {
-  }
+  Results found{};
+  do {
+    found = read(search.offsets(), Ad7147::Polarity::kNegative);
+  } while (search.adjust(found, Ad7147::Polarity::kNegative));
   DuplicateCheck check;
   float larger = 0.0F;
   for (int k = 0; k < DuplicateCheck::kComparisons; ++k) {
@@ -236,7 +243,7 @@ float judged(Read read) {
     larger = std::max(larger, residual);
     (void)check.compare(all<Results>(0x8000), all<Results>(0x8000), offsets);  // goes to the next offsets
   }
-  return larger;
+  return {larger, static_cast<int>(std::ranges::count_if(found, [](auto r) { return r == 0 || r == 0xFFFF; }))};
 }
 
 constexpr int kDraws = 4000;
@@ -248,7 +255,8 @@ TEST(DuplicateCheck, NoneOf4000DrawnChipsIsRefused) {
   float largest = 0.0F;
   for (int k = 0; k < kDraws; ++k) {
     DrawnChip chip(random, electrodes(random, kLeast_pf, kMost_pf));
-    largest = std::max(largest, judged([&](const Offsets& o, Ad7147::Polarity p) { return chip.read(o, p); }));
+    const Judged one = judged([&](const Offsets& o, Ad7147::Polarity p) { return chip.read(o, p); });
+    largest = std::max(largest, one.residual_counts);
   }
   RecordProperty("largest_residual", std::to_string(largest));
   EXPECT_LT(largest, DuplicateCheck::kMaxResidual_counts);
@@ -256,21 +264,20 @@ TEST(DuplicateCheck, NoneOf4000DrawnChipsIsRefused) {
 
 using Electrodes = std::array<double, 12>;
 
-// The residual of each pair.
-std::vector<float> residuals_of_two(unsigned seed, auto first_electrodes, auto second_electrodes) {
+std::vector<Judged> judged_pairs(unsigned seed, auto first_electrodes, auto second_electrodes) {
   std::mt19937 random(seed);
-  std::vector<float> residuals;
+  std::vector<Judged> pairs;
   for (int k = 0; k < kDraws; ++k) {
     const Electrodes first = first_electrodes(random);
     DrawnChip a(random, first), b(random, second_electrodes(random, first));
-    residuals.push_back(judged([&](const Offsets& o, Ad7147::Polarity p) {
+    pairs.push_back(judged([&](const Offsets& o, Ad7147::Polarity p) {
       Results r = a.read(o, p);
       const Results other = b.read(o, p);
       for (std::size_t t = 0; t < r.size(); ++t) r[t] = static_cast<std::uint16_t>(r[t] & other[t]);
       return r;
     }));
   }
-  return residuals;
+  return pairs;
 }
 
 Electrodes any_electrodes(std::mt19937& random) {
@@ -280,13 +287,13 @@ Electrodes any_electrodes(std::mt19937& random) {
 // Electrodes of equal boards resemble each other: each within `alike_pf` of the other chip's. 15 pF is any.
 TEST(DuplicateCheck, EachOf4000DrawnPairsIsFound) {
   for (const double alike_pf : {15.0, 1.0, 0.1}) {
-    const auto residuals = residuals_of_two(7, any_electrodes, [&](std::mt19937& random, const Electrodes& first) {
+    const auto pairs = judged_pairs(7, any_electrodes, [&](std::mt19937& random, const Electrodes& first) {
       Electrodes second = electrodes(random, -alike_pf, alike_pf);
       for (std::size_t t = 0; t < second.size(); ++t)
         second[t] = std::clamp(first[t] + second[t], 4096.0 * kLeast_pf, 4096.0 * kMost_pf);
       return second;
     });
-    const float smallest = std::ranges::min(residuals);
+    const float smallest = std::ranges::min(pairs, {}, &Judged::residual_counts).residual_counts;
     RecordProperty("smallest_residual_within_" + std::to_string(alike_pf) + "_pf", std::to_string(smallest));
     EXPECT_GT(smallest, 3.0F * DuplicateCheck::kMaxResidual_counts) << "electrodes within " << alike_pf << " pF";
   }
@@ -294,10 +301,18 @@ TEST(DuplicateCheck, EachOf4000DrawnPairsIsFound) {
 
 // The hardest pair: all electrodes of both modules rest alike but for a constant difference of 95 fF, as on the bench
 // of tests/firmware/machine, where a parabola over the offsets left less than some single chips. All taxels have one
-// code or two then. Two of 4,000 are taken for one chip: the bits of one hide the difference in both comparisons (33
-// counts), the search of the other ran to the end of the offsets, where nothing can be compared and all is saturated.
-TEST(DuplicateCheck, AllButTwoOf4000PairsOfEqualElectrodesWithAConstantDifferenceAreFound) {
-  const auto residuals = residuals_of_two(
+// code or two then.
+//
+// Such a pair is hidden where both chips give the same result within 80 counts (77 leave 40, see above) at the one
+// input and at the other. Their results differ by 30 codes of steps that are up to 500 counts apart, so by anything
+// within ± 15,000 counts, at each input by something else: (160 / 30,000)² = 1 of 35,000. Of 4,000 pairs that are 0.11,
+// and more than two with a probability of 2e-4. (Of 80,000 with other seeds it is one.)
+//
+// A search that the AND leads astray ends where nothing can be compared, but then the module is at the end of its range
+// and says so: 17 of those 80,000.
+TEST(DuplicateCheck, PairsOfEqualElectrodesWithAConstantDifferenceAreFoundUnlessTheirResultsAreAlike) {
+  constexpr int kManyAtEnd = 6;  // From here on `verify` calls the module's converter faulty, and no sample is valid.
+  const auto pairs = judged_pairs(
       11,
       [](std::mt19937& random) {
         Electrodes e{};
@@ -310,7 +325,11 @@ TEST(DuplicateCheck, AllButTwoOf4000PairsOfEqualElectrodesWithAConstantDifferenc
         for (double& counts : second) counts -= 388.0;
         return second;
       });
-  EXPECT_LE(std::ranges::count_if(residuals, [](float r) { return r <= DuplicateCheck::kMaxResidual_counts; }), 2);
+  const auto missed = [](const Judged& j) { return j.residual_counts <= DuplicateCheck::kMaxResidual_counts; };
+  const auto silent = std::ranges::count_if(pairs, [&](const Judged& j) { return missed(j) && j.at_end < kManyAtEnd; });
+  RecordProperty("alike", std::to_string(silent));
+  RecordProperty("at_end", std::to_string(std::ranges::count_if(pairs, missed) - silent));
+  EXPECT_LE(silent, 2);
 }
 
 }  // namespace
