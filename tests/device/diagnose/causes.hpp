@@ -330,7 +330,7 @@ class CauseDraw {
     const diagnose::Finding& f = findings[0];
     told.verdict = Verdict::kWrong;
     if (!names_the_place(f)) return told;
-    const auto says = [&](const char* word) { return (f.text + f.remedy).find(word) != std::string::npos; };
+    const auto says = [&](const std::string& word) { return (f.text + f.remedy).find(word) != std::string::npos; };
     const auto is = [&](std::initializer_list<K> right) { return std::ranges::count(right, f.kind) > 0; };
     bool right = false, both = false;
     switch (cause_) {
@@ -372,7 +372,7 @@ class CauseDraw {
         break;
       case Cause::kDeadModule:  // At the end of a branch it looks like its joint.
         right = is({K::kMissingModule});
-        both = is({K::kMissingJoint}) && says("dead");
+        both = is({K::kMissingJoint}) && says(fmt::format("module {}", *modules_.begin())) && says("dead");
         break;
       case Cause::kOpenJoint:
       case Cause::kShortedJoint:

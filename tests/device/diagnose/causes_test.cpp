@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fifty draws of what `triskin-bench causes` draws a thousand times (docs/measurements/device.md).
+// Ninety draws of what `triskin-bench causes` draws a thousand times (docs/measurements/device.md).
 #include "device/diagnose/causes.hpp"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,9 @@ INSTANTIATE_TEST_SUITE_P(All, Causes,
                          testing::Values(Cause::kNone, Cause::kSupplyDrop, Cause::kBrokenTrace, Cause::kLineHeld,
                                          Cause::kOtherFirmware, Cause::kWrongAddress, Cause::kBrokenStrap,
                                          Cause::kSameNumber, Cause::kDriftingChip, Cause::kStuckTaxel,
-                                         Cause::kLoosePlug, Cause::kDeadModule, Cause::kOpenJoint,
-                                         Cause::kModuleHoldsLine, Cause::kModuleReset),
+                                         Cause::kLoosePlug, Cause::kDeadModule, Cause::kOpenJoint, Cause::kShortedJoint,
+                                         Cause::kModuleHoldsLine, Cause::kTurnedModule, Cause::kExchangedModules,
+                                         Cause::kModuleReset),
                          [](const auto& tested) {
                            std::string name = kCauseNames[static_cast<std::size_t>(tested.param)];
                            std::ranges::replace_if(name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');

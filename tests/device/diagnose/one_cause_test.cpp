@@ -96,9 +96,9 @@ TEST(OneCause, a_wrong_design_file_is_thought_of_before_flashing) {
 }
 
 // The strip is a chain, so 5, 6 and 7 lie behind the joint of 4 and 5.
-VerifyResult verify_switched(std::vector<hardware::Fault> faults) {
+VerifyResult verify_switched(std::vector<hardware::Fault> faults, const design::Design& of = test::strip(8, 8)) {
   hardware::Scene scene;
-  scene.design = test::strip(8, 8);
+  scene.design = of;
   scene.switched = true;
   scene.faults = std::move(faults);
   const design::Design design = scene.design;
@@ -117,6 +117,47 @@ TEST(OneCause, an_open_joint_of_switched_modules_is_one_broken_joint) {
   EXPECT_THAT(f.behind, ElementsAre(6, 7));
   EXPECT_THAT(f.text, AllOf(HasSubstr("module 4 (side "), HasSubstr("module 5 (side "), HasSubstr("5, 6, 7")));
   EXPECT_EQ(r.modules_ok, 5);
+}
+
+// Patch 1 has four modules in a chain. What a break leaves of patch 0 looks just like it, but its own controller reads
+// it.
+TEST(OneCause, a_break_that_leaves_the_shape_of_another_patch_is_a_broken_joint) {
+  const design::Design design = test::strip(12, 8);
+  ASSERT_EQ(design.patches[1].modules.size(), 4U);
+  const VerifyResult r = verify_switched({fault(FaultKind::kOpenJoint, 3, 4)}, design);
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kMissingJoint);
+  EXPECT_THAT((std::array{r.findings[0].module, r.findings[0].other}), UnorderedElementsAre(3, 4));
+  EXPECT_THAT(r.findings[0].behind, ElementsAre(5, 6, 7));
+}
+
+// One module is no proof of another patch, either: seven are out of reach.
+TEST(OneCause, a_break_behind_the_entry_is_a_broken_joint) {
+  const VerifyResult r = verify_switched({fault(FaultKind::kOpenJoint, 0, 1)});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kMissingJoint);
+  EXPECT_THAT((std::array{r.findings[0].module, r.findings[0].other}), UnorderedElementsAre(0, 1));
+}
+
+// The table opens the port of module 3 at which module 4 should be.
+TEST(OneCause, a_turned_module_explains_those_that_are_read_through_it) {
+  hardware::Fault turned = fault(FaultKind::kRotatedModule, 3);
+  turned.value = 1;
+  const VerifyResult r = verify_switched({turned});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kRotatedModule);
+  EXPECT_EQ(r.findings[0].module, 3);
+  EXPECT_THAT(r.findings[0].behind, ElementsAre(4, 5, 6, 7));
+  EXPECT_THAT(r.findings[0].text, HasSubstr("with this table 4 modules cannot be read: 4, 5, 6, 7"));
+  EXPECT_EQ(r.modules_ok, 3);
+}
+
+// Nothing is left to ask what kind the modules are.
+TEST(OneCause, a_dead_entry_of_switched_modules_is_thought_of_beside_the_cable) {
+  const VerifyResult r = verify_switched({fault(FaultKind::kDeadModule, 0)});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_THAT(r.findings[0].text, HasSubstr("the cable of the patch"));
+  EXPECT_THAT(r.findings[0].remedy, HasSubstr("of switched modules, module 0, where the cable enters, may be dead"));
 }
 
 // Nothing can be left out at the entry. The controller looks for a way round again and again, so that the other lines

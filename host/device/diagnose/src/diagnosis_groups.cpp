@@ -120,8 +120,14 @@ void Diagnosis::explain(const PatchState& p, Modules modules, const Group& group
   const auto words = [&](const std::vector<layout::ModuleId>& members) {
     return std::pair(counted(members.size(), "module"), list_of(members));
   };
-  const auto or_supply = [&](const Modules& members) {
+  const auto or_supply = [&](const Modules& members) -> std::string {
     return farthest_of_supply(p, members) < 0 ? "" : "; or the supply is too low there: a chip needs 2.6 V";
+  };
+  // Nobody can ask a patch without an answer of what kind its modules are.
+  const auto or_entry = [&](const Branch& b) {
+    return b.parent >= 0
+               ? ""
+               : fmt::format("; of switched modules, module {}, where the cable enters, may be dead", number(b.module));
   };
   // One cause is likelier than two, but two of a line may just as well be dead.
   const auto or_both = [](const Branch& b) { return b.members.size() > 2 ? "" : "; or both modules fail"; };
@@ -172,7 +178,7 @@ void Diagnosis::explain(const PatchState& p, Modules modules, const Group& group
     const auto [count, list] = words(b.members);
     Finding& f = add(group.joint, b.module, fmt::arg("patch", p.patch), fmt::arg("modules", count),
                      fmt::arg("list", list), fmt::arg("joint", joint_or_cable(design_, b.parent, b.module)),
-                     fmt::arg("or_else", or_supply({b.members.begin(), b.members.end()})));
+                     fmt::arg("or_else", or_supply({b.members.begin(), b.members.end()}) + or_entry(b)));
     f.other = b.parent;
     f.behind.assign(b.members.begin() + 1, b.members.end());
   }
@@ -223,16 +229,51 @@ std::vector<Finding> Diagnosis::examine_earlier() const {
   return earlier;
 }
 
+namespace {
+
+// Modules that are out of reach contradict nothing: a break leaves whatever is before it.
+int contradictions(const TopologyMatch& match) {
+  return static_cast<int>(std::ranges::count_if(
+      match.differences, [](const TopologyDifference& d) { return d.kind != FindingKind::kMissingModule; }));
+}
+
+}  // namespace
+
+// Returns the patch whose modules hang on the controller of `p`. It fits as a whole, and its own controller finds
+// others instead of them: a break near the entry may leave a few modules that fit many patches.
+layout::PatchIndex Diagnosis::attached_instead(const PatchState& p, const TopologyMatch& match) const {
+  const auto none = layout::PatchIndex::none();
+  if (p.topology.count == 0 || match.differences.empty()) return none;
+  for (const TopologyMatch& best : identify_patch(p.topology, design_)) {
+    if (!best.differences.empty() || best.patch == p.patch) return none;
+    const PatchState& its = patches_[static_cast<std::size_t>(best.patch)];
+    const TopologyMatch own = match_topology(its.topology, design_, best.patch);
+    const bool finds_its_modules = its.usable && own.agreeing_joints >= contradictions(own);
+    if (!finds_its_modules) return best.patch;
+  }
+  return none;
+}
+
+// Returns the modules whose switches were found and whose chips do not answer.
+std::vector<layout::ModuleId> Diagnosis::found_but_silent(const PatchState& p, const TopologyMatch& match) const {
+  std::vector<layout::ModuleId> silent;
+  for (std::size_t row = 0; row < p.image.module_count; ++row) {
+    const layout::ModuleId m = p.module(row);
+    const bool found = std::ranges::find(match.module_of, m) != match.module_of.end();
+    if (found && p.states.state[row] == ModuleState::kAbsent && !explained_.contains(m)) silent.push_back(m);
+  }
+  return silent;
+}
+
 // With switched modules, the chain tells more than a silent chip does.
 void Diagnosis::examine_topology(const PatchState& p) {
   if (!p.topology.switched) return;
   const TopologyMatch match = match_topology(p.topology, design_, p.patch);
-  const TopologyMatch best = identify_patch(p.topology, design_).front();
-  const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
-  if (other || match.another_patch()) {
+  const layout::PatchIndex other = attached_instead(p, match);
+  if (other >= 0 || contradictions(match) > match.agreeing_joints + 1) {
     add(Seen::kOtherPatch, p.patch,
-        fmt::arg("what", other && !best.another_patch()
-                             ? fmt::format("its controller hangs on the modules of patch {}", best.patch)
+        fmt::arg("what", other >= 0
+                             ? fmt::format("its controller hangs on the modules of patch {}", other)
                              : fmt::format("the {} found are not this patch", counted(p.topology.count, "module"))));
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules)
       explained_by_this(std::array{layout::ModuleId{m.node}});
@@ -255,6 +296,15 @@ void Diagnosis::examine_topology(const PatchState& p) {
     const bool joint = d.kind == FindingKind::kMissingJoint || d.kind == FindingKind::kExtraJoint;
     if (!joint && d.module >= 0) explained_by_this(std::array{d.module});
     if (!joint && d.other >= 0) explained_.insert(d.other);
+    // The table opens the ports of a module as it should lie. Where one is turned, they lead elsewhere, also to modules
+    // that have another way.
+    if (d.kind == FindingKind::kRotatedModule || d.kind == FindingKind::kSwappedModules) {
+      f.behind = found_but_silent(p, match);
+      explained_by_this(f.behind);
+      if (!f.behind.empty())
+        f.text += fmt::format("; with this table {} cannot be read: {}", counted(f.behind.size(), "module"),
+                              list_of(f.behind));
+    }
     if (joint)
       findings_.push_back(std::move(f));
     else

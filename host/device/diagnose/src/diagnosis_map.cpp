@@ -95,6 +95,9 @@ void Diagnosis::examine_touch(const TouchOutcome& t) {
     return;
   }
   const std::vector<layout::ModuleId> ring = ring_from(t.module);
+  // A switched module that is out of reach now shows what it had when it was last read.
+  const PatchState& its = patches_[static_cast<std::size_t>(wiring_[static_cast<std::size_t>(t.answered)].patch)];
+  if (ring.empty() && its.topology.switched && explained_.contains(t.answered)) return;
   const Seen seen = ring.size() > 2 ? Seen::kRing : ring.size() == 2 ? Seen::kPairSwapped : Seen::kOtherAnswered;
   add(seen, t.module, fmt::arg("patch", wiring_[static_cast<std::size_t>(t.module)].patch),
       fmt::arg("other", where(t.answered)), fmt::arg("list", list_of(ring)))

@@ -114,6 +114,7 @@ template <class Rest>
 }
 
 struct CableExplanation;
+struct TopologyMatch;
 
 /// Turns observations into findings, without using a link. It first looks for exchanged cables and then reads
 /// everything else as if they were plugged in correctly, so that one mistake does not hide another. Then it examines
@@ -146,6 +147,8 @@ class Diagnosis {
   void note_adopted();
   void examine_patch(const PatchState& p);
   void examine_topology(const PatchState& p);
+  [[nodiscard]] layout::PatchIndex attached_instead(const PatchState& p, const TopologyMatch& match) const;
+  [[nodiscard]] std::vector<layout::ModuleId> found_but_silent(const PatchState& p, const TopologyMatch& match) const;
   void examine_missing(const PatchState& p, const Modules& missing);
   void examine_lines(const PatchState& p);
   void examine_history(const PatchState& p);
@@ -216,10 +219,10 @@ class Diagnosis {
   const design::RestValues& rest_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  Modules bad_;        // These modules have a state other than ok.
-  Modules explained_;  // The missing touch response of these modules already has a finding.
-  // Each adopted module is mapped to the patch whose controller reads it.
+  Modules bad_;                            // These modules have a state other than ok.
+  Modules explained_;                      // The missing touch response of these modules already has a finding.
   std::set<layout::PatchIndex> left_out_;  // The controllers of these left out a module that held a line.
+  // Each adopted module is mapped to the patch whose controller reads it.
   std::map<layout::ModuleId, layout::PatchIndex> adopter_;
 };
 

@@ -120,7 +120,13 @@ TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
 TouchTest::Response TouchTest::response_to_actuator(layout::ModuleId module, const PatchState& patch) {
   actuator_->press(module);
   bus_.listen(bus_.now_us() + kSettle_us);
-  return strongest_anywhere(patch);
+  const Response first = strongest_anywhere(patch);
+  if (std::popcount(first.changed) >= kMaxTaxels) return first;
+  // A controller that looks for a missing module may skip a sequence: only what a second look does not see is not
+  // there.
+  bus_.listen(bus_.now_us() + kSettle_us);
+  const Response second = strongest_anywhere(patch);
+  return second.strength > first.strength ? second : first;
 }
 
 TouchTest::Response TouchTest::response_to_person(const PatchState& patch) {
