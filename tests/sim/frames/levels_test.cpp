@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "frames.hpp"
 #include "support/strip_design.hpp"
+#include "triskin/session/patch_table.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
@@ -24,6 +26,8 @@ struct Difference {
   /// Frames that changed places arrived at most this far apart, with the firmware or by the table.
   std::uint64_t most_exchanged_us = 0;
   std::uint64_t most_device_us = 0, most_arrival_us = 0;
+  /// Samples of one controller that changed places were taken at most this far apart, by the nearer of both levels.
+  std::uint64_t most_exchanged_device_us = 0;
 };
 
 using ById = std::map<std::uint32_t, std::vector<SentFrame>>;
@@ -49,6 +53,60 @@ std::uint64_t most_exchanged(const std::vector<SentFrame>& order, const std::vec
     most_us = std::max(most_us, latest_us - at_us);
   }
   return most_us;
+}
+
+struct Sent {
+  std::uint32_t id;
+  std::uint64_t device_us;
+};
+using Key = std::pair<unsigned, int>;  // A node and a line of its patch, or −1 for all.
+
+// Samples in the order in which they were sent.
+std::map<Key, std::vector<Sent>> orders(const std::vector<SentFrame>& frames, const design::Design& design) {
+  std::map<unsigned, layout::PatchImage> tables;
+  for (const layout::PatchIndex p : design::patches_here(design)) {
+    const layout::PatchImage image = session::image_of(design, p);
+    tables.emplace(static_cast<unsigned>(image.node_address), image);
+  }
+  std::map<Key, std::vector<Sent>> sent;
+  for (const SentFrame& f : frames) {
+    const auto sample = wire::decode_full(f.frame);
+    if (!sample) continue;
+    const int line = tables.at(sample->node_address).modules.at(sample->module).line;
+    sent[{sample->node_address, line}].push_back({f.frame.id, sample->device_time_us});
+    sent[{sample->node_address, -1}].push_back({f.frame.id, sample->device_time_us});
+  }
+  return sent;
+}
+
+// Chips of a line are read one after the other, so that their samples keep their order whatever an estimate says.
+void compare_orders(const std::vector<SentFrame>& firmware, const std::vector<SentFrame>& table,
+                    const design::Design& design, Difference& found) {
+  constexpr std::size_t kNear = 2 * layout::kMaxModules;
+  const auto a = orders(firmware, design), b = orders(table, design);
+  ASSERT_EQ(a.size(), b.size());
+  for (const auto& [key, list] : a) {
+    if (key.second >= 0) {
+      EXPECT_TRUE(std::ranges::equal(list, b.at(key), {}, &Sent::id, &Sent::id))
+          << "node " << key.first << ", line " << key.second;
+      continue;
+    }
+    const std::vector<Sent>& other = b.at(key);
+    std::map<std::uint32_t, std::vector<std::size_t>> places;
+    for (std::size_t k = 0; k < other.size(); ++k) places[other[k].id].push_back(k);
+    std::map<std::uint32_t, std::size_t> passed;
+    std::vector<std::size_t> place;  // of each sample of the firmware in the order of the table
+    for (const Sent& s : list) place.push_back(places.at(s.id).at(passed[s.id]++));
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      for (std::size_t before = k < kNear ? 0 : k - kNear; before < k; ++before) {
+        if (place[before] < place[k]) continue;
+        const auto least = std::min(apart(list[before].device_us, list[k].device_us),
+                                    apart(other[place[before]].device_us, other[place[k]].device_us));
+        found.most_exchanged_device_us = std::max(found.most_exchanged_device_us, least);
+      }
+      EXPECT_LE(apart(place[k], k), kNear);
+    }
+  }
 }
 
 // Frames with one identifier must be equal but for their two times, and keep their order.
@@ -85,19 +143,27 @@ TEST_P(Levels, send_equal_frames) {
   scene.effects.converters.drawn = false;
   Difference found;
   const bool brown_out = scene.effects.pads.supply.has_value();
-  compare(frames_of(scene, 12.0), frames_of(by_table(scene), 12.0), found);
-  fmt::print("{}: {} samples, device times differ by at most {} us, arrivals by {} us, {} exchanged over {} us\n",
-             GetParam(), found.samples, found.most_device_us, found.most_arrival_us, found.exchanged,
-             found.most_exchanged_us);
+  const auto firmware = frames_of(scene, 12.0), table = frames_of(by_table(scene), 12.0);
+  compare(firmware, table, found);
+  compare_orders(firmware, table, scene.design, found);
+  fmt::print(
+      "{}: {} samples, device times differ by at most {} us, arrivals by {} us, {} exchanged over {} us, of one "
+      "controller over {} us\n",
+      GetParam(), found.samples, found.most_device_us, found.most_arrival_us, found.exchanged, found.most_exchanged_us,
+      found.most_exchanged_device_us);
   EXPECT_GT(found.samples, 5000U);
   // The firmware refines its estimates of the chips' clocks to 34 us, the table continues the last one.
   constexpr std::uint64_t kEstimate_us = 40;
   EXPECT_LE(found.most_device_us, kEstimate_us);
   // That a chip falls silent, the firmware sees at the beginning of a reading and the table at its end.
   EXPECT_LE(found.most_arrival_us, brown_out ? 300U : 100U);
-  // Equal chips that are powered together end their sequences together. How many of their frames change places depends
-  // on the phases that the set-up of the chips leaves; each of two estimates is off by the above, so frames farther
-  // apart than both must keep their order.
+  // Chips of one controller that are on different lines end their sequences together now and then: their set-up leaves
+  // them a phase, which a set-up that is shorter by a register moves. If a sample is before another one by one level
+  // and behind it by the other, the two distances add up to the two errors of the estimates, and the nearer is one at
+  // most.
+  // A module that falls silent has the time of the reading's beginning or of its end, 800 us later at most.
+  EXPECT_LE(found.most_exchanged_device_us, brown_out ? 800U : kEstimate_us);
+  // Arrivals of different controllers: the farther distance is both errors at most.
   EXPECT_LE(found.most_exchanged_us, brown_out ? 300U : 2 * kEstimate_us);
 }
 
