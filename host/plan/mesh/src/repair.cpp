@@ -33,8 +33,9 @@ constexpr int kRoundsApart = 5;             // Corners are moved at most this of
 constexpr int kRoundsDivided = 3;           // Dividing is repeated because rounded coordinates may cross again.
 constexpr double kHiddenVisibility = 0.05;  // A part of the arrangement that sees less of the sky counts as inside.
 constexpr std::size_t kVisibilitySamples = 48;  // This many faces of a part are sampled.
-// If small parts with more than this fraction of the area are lost, the input counts as shattered.
-constexpr double kLooseShare = 0.05;
+// Small parts are dropped by name up to this fraction of the area; with more the input counts as shattered, and a
+// surface that leaves them out is as far from it as they are.
+constexpr double kLooseShare = 0.1;
 constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // Below both values the next method is not tried.
 // The width is the area of a border loop over its length: a hole of 0.4 mm across has this value.
 constexpr double kSlitWidth_mm = 0.1;

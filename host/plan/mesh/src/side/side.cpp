@@ -109,7 +109,13 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   if (kept.faces.empty())
     throw InputError("side: nothing of the part lies on the side that was asked for; try --side both, or --from X,Y,Z");
   ExtractReport unused;
-  taken.surface = extract(kept).surface;
+  try {
+    taken.surface = extract(kept).surface;
+  } catch (const InputError&) {
+    throw InputError(
+        "side: no connected part of the side that was taken is as large as one module (3.9 cm²); try --side both, or "
+        "--from X,Y,Z");
+  }
   // Outer faces that were joined only at a corner now have coinciding corners.
   if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s, unused);
   return taken;
