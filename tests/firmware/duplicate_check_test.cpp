@@ -305,8 +305,8 @@ TEST(DuplicateCheck, EachOf4000DrawnPairsIsFound) {
 //
 // Such a pair is hidden where both chips give the same result within 80 counts (77 leave 40, see above) at the one
 // input and at the other. Their results differ by 30 codes of steps that are up to 500 counts apart, so by anything
-// within ± 15,000 counts, at each input by something else: (160 / 30,000)² = 1 of 35,000. Of 4,000 pairs that are 0.11,
-// and more than two with a probability of 2e-4. (Of 80,000 with other seeds it is one.)
+// within ± 15,000 counts, at each input by something else: (160 / 30,000)² = 1 of 35,000. Of 4,000 pairs that are
+// 0.11, and more than two with a probability of 2e-4. (Of 80,000 with other seeds it is one.)
 //
 // A search that the AND leads astray ends where nothing can be compared, but then the module is at the end of its range
 // and says so: 17 of those 80,000.
