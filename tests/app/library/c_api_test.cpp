@@ -89,7 +89,8 @@ TEST(Library, gives_positions_of_the_design_and_pressure_of_the_scene) {
   ASSERT_EQ(triskin_tare(skin), TRISKIN_OK) << triskin_error();
   (void)skin.read(7.0);
   ASSERT_EQ(triskin_change_counts(skin, change_counts.data(), change_counts.size()), TRISKIN_OK);
-  EXPECT_NEAR(change_counts[5 * 12 + 3], kMiddle_counts, 0.02 * kMiddle_counts);
+  // The gain of the negative input is off by up to 2.2 %, that of a stage by 0.2 % (docs/silicon.md).
+  EXPECT_NEAR(change_counts[5 * 12 + 3], kMiddle_counts, 0.024 * kMiddle_counts);
   // A converter reads up to 2 counts beside its value (docs/silicon.md), at the tare and now.
   EXPECT_LE(std::abs(change_counts[2 * 12 + 3]), 4.0);
 }

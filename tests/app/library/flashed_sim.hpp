@@ -17,7 +17,8 @@ namespace triskin::test {
 /// its tables.
 class FlashedSim {
  public:
-  /// `faults` is the value of that key of the scene. With gaps, the numbers of the last three modules are 12 … 14.
+  /// `faults` is the value of that key of the scene. Converters are drawn, but with a gain of 1. With gaps, the numbers
+  /// of the last three modules are 12 … 14.
   explicit FlashedSim(const std::string& faults = "[]", bool has_gaps = false)
       : folder_(std::filesystem::temp_directory_path() / ("library." + std::to_string(::getpid()))) {
     if (has_gaps) design_ = with_gaps(design_);
@@ -25,10 +26,11 @@ class FlashedSim {
     std::filesystem::create_directories(folder_);
     ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
     design::write_design(design_file(), design_);
-    write_file_atomically(scene_file(), R"({"format":"triskin-scene","version":1,"design":"d.json","contacts":[)"
-                                        R"({"at_s":6,"module":)" +
-                                            std::string(has_gaps ? "12" : "5") +
-                                            R"(,"taxel":3,"force_n":1,"radius_mm":3}],"faults":)" + faults + "}");
+    write_file_atomically(
+        scene_file(), R"({"format":"triskin-scene","version":1,"design":"d.json","contacts":[)"
+                      R"({"at_s":6,"module":)" +
+                          std::string(has_gaps ? "12" : "5") +
+                          R"(,"taxel":3,"force_n":1,"radius_mm":3}],"converters":{"gain":1},"faults":)" + faults + "}");
     const auto link = connect::open_link({.link = "sim", .scene = "", .own_interrupts = false}, &design_);
     session::Bus bus(*link);
     (void)deploy::flash(bus, design_);

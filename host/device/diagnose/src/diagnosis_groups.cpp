@@ -237,6 +237,12 @@ int contradictions(const TopologyMatch& match) {
       match.differences, [](const TopologyDifference& d) { return d.kind != FindingKind::kMissingModule; }));
 }
 
+bool fits_another(const wire::FoundTopology& found, const design::Design& design, layout::PatchIndex patch) {
+  return std::ranges::any_of(identify_patch(found, design), [patch](const TopologyMatch& match) {
+    return match.differences.empty() && match.patch != patch;
+  });
+}
+
 }  // namespace
 
 // Returns the patch whose modules hang on the controller of `p`. It fits as a whole, and its own controller finds
@@ -248,8 +254,9 @@ layout::PatchIndex Diagnosis::attached_instead(const PatchState& p, const Topolo
     if (!best.differences.empty() || best.patch == p.patch) return none;
     const PatchState& its = patches_[static_cast<std::size_t>(best.patch)];
     const TopologyMatch own = match_topology(its.topology, design_, best.patch);
-    const bool finds_its_modules = its.usable && own.agreeing_joints >= contradictions(own);
-    if (!finds_its_modules) return best.patch;
+    const bool finds_its_modules =
+        own.agreeing_joints >= contradictions(own) && !fits_another(its.topology, design_, best.patch);
+    if (!its.usable || !(own.differences.empty() || finds_its_modules)) return best.patch;
   }
   return none;
 }
