@@ -54,7 +54,7 @@ TEST_F(Rosbag2, a_foreign_parser_finds_every_field_in_each_version) {
 
 TEST_F(Rosbag2, a_bag_of_several_files_has_the_times_and_counts_of_each) {
   if (is_without_witness()) GTEST_SKIP() << "js-yaml is not installed; run tools/setup test where npm is there";
-  const auto done = run("record strip.json --link sim --format rosbag2 -o parts --seconds 5 --split 2s");
+  const auto done = run("record strip.json --link sim --format rosbag2 -o parts/ --seconds 5 --split 2s");
   ASSERT_EQ(done.status, 0) << done.messages;
   EXPECT_TRUE(fs::exists(folder_ / "parts/parts_2.mcap"));
   EXPECT_THAT(witness("parts", 5), MatchesRegex("bag of 3 with [0-9]+ messages in 5 topics\n"));

@@ -146,6 +146,7 @@ def switched_off():
     ALL.pop()
     layers = "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\njig\n70\n0\n62\n-7\n0\nENDTAB\n0\nENDSEC\n"
     add(k, "DXF: layer that is off", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE) + m.lwpolyline([(300, 0), (400, 0), (400, 90)], layer="jig"), tables=layers)}, "place a.dxf --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "SVG: artboard without fill and stroke", FOUND, {"a.svg": m.svg('<rect x="-200" width="600" height="300" fill="none"/><rect width="150" height="120"/>')}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
     add(k, "SVG: display none", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/><g style="display:none"><rect x="300" width="50" height="50"/></g>')}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
 
 
@@ -386,6 +387,8 @@ def sizes():
     add(k, "an option without a value: --gap-mm", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, ["place", "a.wkt", "--gap-mm", ""], 2, "--gap-mm: the value is empty")
     for option in ("--unit", "--method"):
         add(k, f"an option without a value: {option}", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, ["place", "a.wkt", option, ""], 2, f"{option}: the value is empty")
+    for command in ("record strip.json --link sim -o a.mcap --seconds", "live strip.json --link sim --seconds", "bridge strip.json --link sim --stop-counts", "extract a.obj -o b.obj --sky"):
+        add(k, f"nan for a number: {command.split()[0]} {command.split()[-1]}", FOUND, {"a.obj": m.obj(m.block())}, command + " nan", 2, f"{command.split()[-1]}: nan is no number")
     add(k, "an option without a value: --link", FOUND, {}, ["live", "strip.json", "--link", ""], 2, "--link: the value is empty")
     add(k, "every answer has the size: design", FOUND, {"a.obj": m.obj(m.block())}, "design a.obj -o d.json --time-limit-s 1", 0, r"120\.0 × 90\.0 × 40\.0 mm")
     add(k, "every answer has the size: place", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, "place a.wkt --method r2", 0, r"150\.0 × 120\.0 mm")

@@ -40,5 +40,13 @@ TEST(AsciiName, tells_apart_what_it_cannot_spell) {
   }
 }
 
+// What the bridge is given is a name already: it is not spelled a second time.
+TEST(PartName, stands_as_it_is) {
+  for (const char* text : {"左腕", "left arm", "2nd", "arm_20261129", "_"})
+    EXPECT_TRUE(is_part_name(part_name(text))) << text;
+  EXPECT_TRUE(is_part_name("arm_20261129"));
+  for (const char* text : {"", "left arm", "2nd", "左腕", "a/b"}) EXPECT_FALSE(is_part_name(text)) << text;
+}
+
 }  // namespace
 }  // namespace triskin

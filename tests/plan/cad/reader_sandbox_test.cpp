@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ipc.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -85,6 +86,11 @@ TEST_F(ReaderSandbox, nothing_is_connected_started_or_signalled) {
   expect_refused([] { return error_unless(::socket(AF_UNIX, SOCK_STREAM, 0) >= 0); });
   expect_refused([] { return error_unless(::socket(AF_INET, SOCK_DGRAM, 0) >= 0); });
   expect_refused([] { return error_unless(::kill(::getppid(), 0) == 0); });
+  expect_refused([] {
+    const pid_t parent = ::getppid();
+    return error_unless(::syscall(SYS_tgkill, parent, parent, 0) == 0);
+  });
+  expect_refused([] { return error_unless(::syscall(SYS_shmget, IPC_PRIVATE, 4096, IPC_CREAT | 0600) >= 0); });
   expect_refused([] {
     const pid_t pid = ::fork();
     if (pid == 0) ::_exit(0);

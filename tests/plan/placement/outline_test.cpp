@@ -144,9 +144,15 @@ TEST(SvgOutline, size_follows_width_height_and_their_fit) {
 TEST(SvgOutline, what_is_not_painted_is_left_out) {
   const std::string outer = R"(<rect width="50" height="40"/>)";
   for (const char* paint : {R"(fill="none" stroke="none")", R"(style="fill-opacity:0;stroke:none")",
-                            R"(style="opacity:0%")", R"(style="display : none !important")", R"(visibility="hidden")"})
+                            R"(style="opacity:0%")", R"(style="display : none !important")", R"(visibility="hidden")",
+                            R"(fill="none")", R"(fill="transparent")", R"(fill-opacity="0")", R"(fill="#0000")",
+                            R"(fill="#12345600")", R"x(fill="rgba(9, 9, 9, 0)")x", R"x(fill="rgb(9 9 9 / 0%)")x"})
     EXPECT_NEAR(area_of(svg(outer + R"(<rect x="10" y="10" width="9" height="9" )" + paint + "/>")), 2000.0, 1e-9)
         << paint;
+  // Nothing is seen of this drawing, but something is meant.
+  EXPECT_NEAR(area_of(svg(R"(<rect width="50" height="40" fill="none"/>)")), 2000.0, 1e-9);
+  for (const char* paint : {R"(fill="none" stroke="red")", R"(fill="#1230" stroke="#000f")", R"x(fill="rgb(0,0,0)")x"})
+    EXPECT_NEAR(area_of(svg(R"(<rect width="50" height="40" )" + std::string(paint) + "/>")), 2000.0, 1e-9) << paint;
   EXPECT_NEAR(area_of(svg(R"(<g fill="none" stroke="none"><rect width="50" height="40" stroke="red"/></g>)")), 2000.0,
               1e-9);
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -75,11 +76,19 @@ std::string output_of(const CLI::App& app) {
   return option == nullptr || option->empty() ? std::string{} : option->as<std::string>();
 }
 
+bool is_nan(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr));
+}
+
 // An empty value is what an unset variable of a shell leaves; it would count as 0 or as if the option were left out.
 void require_values(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (std::ranges::any_of(option->results(), &std::string::empty))
       throw InputError(fmt::format("{}: the value is empty", option->get_name()));
+    // It is neither below nor above any limit. Options of several numbers look themselves.
+    if (option->get_type_name().starts_with("FLOAT") && option->get_items_expected_max() == 1 &&
+        std::ranges::any_of(option->results(), is_nan))
+      throw InputError(fmt::format("{}: nan is no number", option->get_name()));
   }
 }
 

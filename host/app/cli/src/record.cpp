@@ -531,6 +531,9 @@ int run(Options options, Output& output) {
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
   require_split(options, site.is_robot);
+  // A shell completes the name of a folder with a slash, behind which there is no name.
+  while (format == Format::kRosbag2 && options.output.size() > 1 && options.output.ends_with('/'))
+    options.output.pop_back();
   std::optional<JointFile> joint;
   if (site.is_robot && extension_of(options.output) == ".mcap") {
     joint.emplace(options.output);

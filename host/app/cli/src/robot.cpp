@@ -210,7 +210,7 @@ int run_add(const Options& options, Output& output) {
     output.say(fmt::format("{}: {}", options.robot, counted(robot.buses.size(), "bus")));
     return 0;
   }
-  require_name(options, "the name of the cover's name with --name");
+  require_name(options, "the cover's name with --name");
   require(options.file, options, "the design file of the cover");
   robot::CoverEntry& cover = cover_to_add(robot, bus, options);
   cover.design = seen_from(options.robot, options.file);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace triskin {
@@ -31,6 +32,14 @@ std::string ascii_name(std::string_view text, std::string_view also, std::string
   }
   if (name.empty()) return std::string(if_empty);
   return has_lost ? fmt::format("{}_{:08x}", name, hash) : name;
+}
+
+bool is_part_name(std::string_view text) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto stands = [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
+  };
+  return !text.empty() && !is_digit(text.front()) && std::ranges::all_of(text, stands);
 }
 
 std::string part_name(std::string_view text) {

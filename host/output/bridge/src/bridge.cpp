@@ -30,7 +30,7 @@ Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions
       numbers_(design.layout.numbers),
       frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
       cloud_(design) {
-  if (part_name(options.part) != options.part)
+  if (!is_part_name(options.part))
     throw InputError(fmt::format("\"{}\" is not a name of a ROS topic; take letters, digits and _, for example {}",
                                  options.part, part_name(options.part)));
   if (parent_ == frame_)

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <seccomp.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -28,6 +29,8 @@ constexpr std::array kRefused{
     "symlinkat", "mkdir", "mkdirat", "rmdir", "mknod", "mknodat", "chmod", "fchmod", "fchmodat", "chown", "fchown",
     "lchown", "fchownat", "utime", "utimes", "utimensat", "futimesat", "setxattr", "lsetxattr", "fsetxattr",
     "removexattr", "lremovexattr", "fremovexattr", "open_by_handle_at", "ioctl",
+    // messages and memory that outlive the process
+    "mq_open", "mq_unlink", "msgget", "msgsnd", "msgctl", "shmget", "shmat", "shmctl", "semget", "semop", "semctl",
     // connections, and other ways to do the same
     "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4", "sendto", "sendmsg", "sendmmsg",
     "io_uring_setup", "io_uring_enter", "io_uring_register",
@@ -86,6 +89,9 @@ bool enter_reader_sandbox() {
   refuse_writing(filter, "open", 1);
   refuse_writing(filter, "openat", 2);
   filter.refuse("clone", EPERM, {has(0, CLONE_THREAD, 0)});
+  const auto self = static_cast<std::uint64_t>(::getpid());
+  filter.refuse("tgkill", EPERM, {{0, SCMP_CMP_NE, self, 0}});  // A process that aborts signals itself.
+  filter.refuse("fcntl", EPERM, {{1, SCMP_CMP_EQ, F_SETOWN, 0}});
   filter.refuse("prlimit64", EPERM, {{2, SCMP_CMP_NE, 0, 0}});  // Threads ask for their limits.
   return filter.load();
 }

@@ -28,8 +28,9 @@ constexpr int kMaxDivisions = 40'000;
 constexpr std::size_t kBatch = 64;  // At least this many are divided side by side.
 // The clock is not read before, so that the bound is no guess; this takes some 0.1 s.
 constexpr std::size_t kMinSteps = 20'000;
-constexpr double kMissing_mm2 = 0.05;  // Missing areas are resolved to this; a part that is named has kMinPart_mm2.
-constexpr double kMinPart_mm2 = 1.0;   // Smaller parts are left to the deviation; a module has 390 mm².
+// Missing areas are resolved to this, or coarser so that about this many pieces are looked at.
+constexpr double kMissing_mm2 = 0.05, kMaxMissingPieces = 40'000.0;
+constexpr double kMinPart_mm2 = 1.0;          // Smaller parts are left to the deviation; a module has 390 mm².
 constexpr std::size_t kMeanSamples = 20'000;  // The mean is sampled at the middles of this many triangles.
 
 using geometry::Triangle, geometry::area_of;
@@ -84,6 +85,12 @@ class Way {
     return total / area_;
   }
 
+  // Tells whether all of the triangle is farther away, seen from its middle.
+  [[nodiscard]] bool is_beyond(const Triangle& t, double within_mm) const {
+    const Vec3 middle = middle_of(t);
+    const double radius = std::max({(t[0] - middle).norm(), (t[1] - middle).norm(), (t[2] - middle).norm()});
+    return to_.closest(middle).distance_mm > within_mm + radius;
+  }
   // Bounds one triangle; ends early when the bound is at most `enough`.
   [[nodiscard]] Bounds bounds_of(const Triangle& t, double enough) const {
     Bounds b;
@@ -146,13 +153,14 @@ std::array<Triangle, 4> quarters_of(const Triangle& t) {
 }
 
 // Returns the area of the triangle farther than within_mm from the other mesh; what lies at the limit is divided down
-// to kMissing_mm2.
-double missing_mm2(const Way& way, const Triangle& t, double within_mm) {
+// to smallest_mm2.
+double missing_mm2(const Way& way, const Triangle& t, double within_mm, double smallest_mm2) {
+  if (way.is_beyond(t, within_mm)) return area_of(t);
   const Bounds bounds = way.bounds_of(t, within_mm);
   if (bounds.upper <= within_mm) return 0.0;
-  if (area_of(t) <= kMissing_mm2) return bounds.lower > within_mm ? area_of(t) : 0.0;
+  if (area_of(t) <= smallest_mm2) return bounds.lower > within_mm ? area_of(t) : 0.0;
   double sum = 0.0;
-  for (const Triangle& part : quarters_of(t)) sum += missing_mm2(way, part, within_mm);
+  for (const Triangle& part : quarters_of(t)) sum += missing_mm2(way, part, within_mm, smallest_mm2);
   return sum;
 }
 
@@ -279,9 +287,12 @@ std::vector<DroppedPart> parts_beyond(const Mesh& input, const std::vector<bool>
 std::vector<DroppedPart> missing_parts(const Mesh& input, const std::vector<bool>& counted, const Mesh& result,
                                        double within_mm) {
   Way way(input, counted, result);
+  double changed_mm2 = 0.0;
+  for (const Triangle& t : way.changed()) changed_mm2 += area_of(t);
+  const double smallest_mm2 = std::max(kMissing_mm2, changed_mm2 / kMaxMissingPieces);
   std::vector<double> missing(way.changed().size());
   tbb::parallel_for(std::size_t{0}, missing.size(),
-                    [&](std::size_t k) { missing[k] = missing_mm2(way, way.changed()[k], within_mm); });
+                    [&](std::size_t k) { missing[k] = missing_mm2(way, way.changed()[k], within_mm, smallest_mm2); });
   std::vector<double> of_face(input.faces.size(), kAllThere);
   for (std::size_t k = 0; k < missing.size(); ++k) {
     if (missing[k] > 0.0) of_face[at(way.changed_faces()[k])] = missing[k];

@@ -224,8 +224,16 @@ std::string GltfDocument::load(const json& buffer, std::size_t index) const {
   if (source_.folder.empty())
     fail(fmt::format("its buffer \"{}\" lies in a file beside it, and a pipe has none; give the file by its name",
                      file));
+  // A file from elsewhere may name any file of this computer, or a device that never ends.
+  const std::filesystem::path path = source_.folder / file;
+  if (std::filesystem::path(file).is_absolute())
+    fail(fmt::format("its buffer \"{}\" has a path from the root of a computer; put the file beside it and name it so",
+                     file));
+  std::error_code none;
+  if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
+    fail(fmt::format("its buffer \"{}\" is no file", file));
   try {
-    return read_file(source_.folder / file);
+    return read_file(path);
   } catch (const InputError& e) {
     fail(fmt::format("its buffer: {}", e.what()));
   }

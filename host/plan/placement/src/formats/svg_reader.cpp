@@ -97,6 +97,9 @@ class SvgReader {
       view_box_ = attribute(element, "viewBox");
       refuse_cut("svg", element, page_);
       children(element, page_, paint_of(element, {}), 0);
+      if (shapes_ > 0 || unpainted_ == 0) continue;
+      takes_unset_strokes_ = true;  // Some programs write outlines without a stroke.
+      children(element, page_, paint_of(element, {}), 0);
     }
     return {outline_.polygon(),
             is_in_pixels_
@@ -341,12 +344,24 @@ class SvgReader {
     }
     return paint;
   }
-  // Both must be switched off by name: many draw outlines without a stroke's colour.
-  static bool is_painted(const Paint& paint) {
+  // A fill that nobody set is black, and a stroke is none.
+  [[nodiscard]] bool is_painted(const Paint& paint) const {
     const auto is_off = [&](std::size_t k) {
-      return paint[k] == "none" || paint[k] == "transparent" || is_zero(paint[k + 2]);
+      return paint[k] == "none" || has_no_alpha(paint[k]) || is_zero(paint[k + 2]);
     };
-    return (!is_off(0) || !is_off(1)) && paint[4] != "hidden" && paint[4] != "collapse";
+    return !is_off(0) || ((takes_unset_strokes_ || !paint[1].empty()) && !is_off(1));
+  }
+  static bool is_visible(const Paint& paint) { return paint[4] != "hidden" && paint[4] != "collapse"; }
+  // transparent, #rgb0, #rrggbb00, rgba(…, 0) and hsla(…, 0), rgb(… / 0%) (CSS Color 4).
+  static bool has_no_alpha(const std::string& color) {
+    if (color == "transparent") return true;
+    if (color.starts_with('#'))
+      return (color.size() == 5 || color.size() == 9) && color.ends_with(color.size() == 5 ? "0" : "00");
+    const std::size_t open = color.find('('), alpha = color.find_last_of(",/");
+    if (open == std::string::npos || alpha == std::string::npos) return false;
+    const bool has_alpha = color[alpha] == '/' || std::ranges::count(color, ',') == 3;
+    return has_alpha &&
+           is_zero(std::string_view(color).substr(std::min(color.find_first_not_of(' ', alpha + 1), color.size())));
   }
 
   // A length in mm; nothing for one in per cent or without a number.
@@ -469,7 +484,12 @@ class SvgReader {
         fail(name, "a drawing within the drawing is not read; ungroup it (in Inkscape: unlink clones)");
       if (!is_group && !is_round && !is_straight && name != "path" && name != "rect") continue;
       const Paint paint = paint_of(element, inherited);
-      if (!is_group && !is_painted(paint)) continue;
+      if (!is_group && !is_visible(paint)) continue;
+      if (!is_group && !is_painted(paint)) {
+        ++unpainted_;
+        continue;
+      }
+      shapes_ += is_group ? 0 : 1;
       refuse_cut(name, element, place);
       const Eigen::Affine2d own = place * transform_of(element, name);
       if (is_group) children(element, own, paint, depth + 1);
@@ -653,6 +673,8 @@ class SvgReader {
   std::vector<Rule> rules_;
   std::optional<double> unit_mm_;
   bool is_in_pixels_ = false;
+  int shapes_ = 0, unpainted_ = 0;
+  bool takes_unset_strokes_ = false;
 };
 
 }  // namespace

@@ -14,5 +14,8 @@ namespace triskin {
 /// The name of a cover in topics and frames of ROS (skin/NAME/raw, skin_NAME): that of ascii_name, and a leading digit
 /// gets a "p" before it.
 [[nodiscard]] std::string part_name(std::string_view text);
+/// Returns true for what stands in topics and frames as it is, so for every result of part_name(): letters, digits and
+/// `_`, and no digit at the beginning.
+[[nodiscard]] bool is_part_name(std::string_view text);
 
 }  // namespace triskin
