@@ -39,9 +39,9 @@ Vec3 middle_of(const Triangle& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }
 
-// Holds an upper bound of the distances of all points of some triangles, and the distance of one of them.
+// Holds an upper bound and a least value of the distances of all points of some triangles, and the distance of one.
 struct Bounds {
-  double upper = std::numeric_limits<double>::infinity(), lower = 0.0;
+  double upper = std::numeric_limits<double>::infinity(), least = 0.0, lower = 0.0;
   Vec3 lower_at = Vec3::Zero();
 };
 
@@ -85,12 +85,6 @@ class Way {
     return total / area_;
   }
 
-  // Tells whether all of the triangle is farther away, seen from its middle.
-  [[nodiscard]] bool is_beyond(const Triangle& t, double within_mm) const {
-    const Vec3 middle = middle_of(t);
-    const double radius = std::max({(t[0] - middle).norm(), (t[1] - middle).norm(), (t[2] - middle).norm()});
-    return to_.closest(middle).distance_mm > within_mm + radius;
-  }
   // Bounds one triangle; ends early when the bound is at most `enough`.
   [[nodiscard]] Bounds bounds_of(const Triangle& t, double enough) const {
     Bounds b;
@@ -127,6 +121,7 @@ class Way {
       }
     }
     b.upper = std::min({b.upper, most, found.distance_mm + way});
+    b.least = std::max(b.least, found.distance_mm - way);
     if (found.distance_mm < b.lower) return;
     b.lower = found.distance_mm;
     b.lower_at = point;
@@ -155,9 +150,9 @@ std::array<Triangle, 4> quarters_of(const Triangle& t) {
 // Returns the area of the triangle farther than within_mm from the other mesh; what lies at the limit is divided down
 // to smallest_mm2.
 double missing_mm2(const Way& way, const Triangle& t, double within_mm, double smallest_mm2) {
-  if (way.is_beyond(t, within_mm)) return area_of(t);
   const Bounds bounds = way.bounds_of(t, within_mm);
   if (bounds.upper <= within_mm) return 0.0;
+  if (bounds.least > within_mm) return area_of(t);
   if (area_of(t) <= smallest_mm2) return bounds.lower > within_mm ? area_of(t) : 0.0;
   double sum = 0.0;
   for (const Triangle& part : quarters_of(t)) sum += missing_mm2(way, part, within_mm, smallest_mm2);
