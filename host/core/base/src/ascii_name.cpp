@@ -17,6 +17,14 @@ bool ends_in_hash(std::string_view text) {
   return text.substr(text.size() - kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool stands(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
+}
+
 }  // namespace
 
 std::string ascii_name(std::string_view text, std::string_view also, std::string_view if_empty) {
@@ -24,8 +32,7 @@ std::string ascii_name(std::string_view text, std::string_view also, std::string
   bool has_lost = ends_in_hash(text);
   std::uint32_t hash = 2166136261U;  // FNV-1a of 32 bits
   for (const char c : text) {
-    const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-                       also.find(c) != std::string_view::npos;
+    const bool stays = stands(c) || also.find(c) != std::string_view::npos;
     has_lost = has_lost || !stays;
     name += stays ? c : '_';
     hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
@@ -35,16 +42,12 @@ std::string ascii_name(std::string_view text, std::string_view also, std::string
 }
 
 bool is_part_name(std::string_view text) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  const auto stands = [&](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
-  };
   return !text.empty() && !is_digit(text.front()) && std::ranges::all_of(text, stands);
 }
 
 std::string part_name(std::string_view text) {
   const std::string name = ascii_name(text, "", "p");
-  return name[0] >= '0' && name[0] <= '9' ? "p" + name : name;
+  return is_digit(name[0]) ? "p" + name : name;
 }
 
 }  // namespace triskin

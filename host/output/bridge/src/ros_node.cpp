@@ -7,28 +7,19 @@
 #include <charconv>
 #include <optional>
 
+#include "triskin/base/ascii_name.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::bridge {
 namespace {
 
-constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
-constexpr std::string_view kDigits = "0123456789";
-
-bool is_token(std::string_view text) {
-  return !text.empty() && kLetters.find(text.front()) != std::string_view::npos &&
-         std::ranges::all_of(text, [](char c) {
-           return kLetters.find(c) != std::string_view::npos || kDigits.find(c) != std::string_view::npos;
-         });
-}
-
-// Whether every part between slashes is a token; a "~" may stand first.
+// Whether every part between slashes is such a name as stands in topics; a "~" may stand first.
 bool is_name(std::string_view name) {
   if (name.starts_with("~/")) name.remove_prefix(2);
   if (name.starts_with('/')) name.remove_prefix(1);
   while (true) {
     const std::size_t end = name.find('/');
-    if (!is_token(name.substr(0, end))) return false;
+    if (!is_part_name(name.substr(0, end))) return false;
     if (end == std::string_view::npos) return true;
     name.remove_prefix(end + 1);
   }
@@ -68,7 +59,8 @@ std::pair<std::string, std::string> rule_of(const std::string& argument, std::st
 void add_remap(RosNode& node, std::vector<std::pair<std::string, std::string>>& of_node, const std::string& rule) {
   auto [from, to] = rule_of(rule, "-r");
   if (from == "__node" || from == "__name") {
-    if (!is_token(to)) throw InputError(fmt::format("--ros-args -r {}: a node's name has letters, digits and _", rule));
+    if (!is_part_name(to))
+      throw InputError(fmt::format("--ros-args -r {}: a node's name has letters, digits and _", rule));
     node.name = to;
   } else if (from == "__ns") {
     if (to != "/" && (!to.starts_with('/') || !is_name(to)))
