@@ -7,17 +7,11 @@ import {execFileSync} from "node:child_process";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
-import {pathToFileURL} from "node:url";
+
+import {loadMujoco} from "../../support/mujoco.mjs";
 
 const [triskin, nodeModules] = process.argv.slice(2);
-const library = path.resolve(nodeModules, "mujoco-js/dist/mujoco_wasm.js");
-if (!fs.existsSync(library)) {
-  console.log("left out: mujoco-js is not installed (tools/setup test installs it where npm is)");
-  process.exit(77);
-}
-const mujoco = await (await import(pathToFileURL(library))).default();
-mujoco.FS.mkdir("/models");
-mujoco.FS.mount(mujoco.MEMFS, {root: "."}, "/models");
+const mujoco = await loadMujoco(nodeModules);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "urdf_mujoco_test."));
 process.on("exit", () => fs.rmSync(folder, {recursive: true, force: true}));
 const run = (...words) => execFileSync(triskin, words, {cwd: folder, stdio: ["ignore", "ignore", "inherit"]});

@@ -10,17 +10,11 @@ import net from "node:net";
 import os from "node:os";
 import path from "node:path";
 import readline from "node:readline";
-import {pathToFileURL} from "node:url";
+
+import {loadMujoco} from "../../support/mujoco.mjs";
 
 const [triskin, writeStrip, nodeModules] = process.argv.slice(2);
-const library = path.resolve(nodeModules, "mujoco-js/dist/mujoco_wasm.js");
-if (!fs.existsSync(library)) {
-  console.log("left out: mujoco-js is not installed (tools/setup test installs it where npm is)");
-  process.exit(77);
-}
-const mujoco = await (await import(pathToFileURL(library))).default();
-mujoco.FS.mkdir("/models");
-mujoco.FS.mount(mujoco.MEMFS, {root: "."}, "/models");
+const mujoco = await loadMujoco(nodeModules);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "mujoco_test."));
 process.on("exit", () => fs.rmSync(folder, {recursive: true, force: true}));
 
