@@ -79,7 +79,7 @@ void add_remap(RosNode& node, std::vector<std::pair<std::string, std::string>>& 
 }  // namespace
 
 std::string RosNode::resolve(std::string_view relative) const {
-  const std::string full = expanded(*this, relative);
+  std::string full = expanded(*this, relative);
   for (const auto& [from, to] : remaps)
     if (expanded(*this, from) == full) return expanded(*this, to);
   return full;
