@@ -81,7 +81,7 @@ std::string in_quotes(std::string_view text) {
 // Up to version 8 the profiles are a text that holds YAML with the numbers of rmw/types.h; version 9 has them as YAML,
 // with names.
 std::string profiles(const std::string& qos, int version) {
-  if (version < 9) return " " + in_quotes(qos);
+  if (version < 9) return fmt::format(" {}", in_quotes(qos));
   if (qos.empty()) return " []";
   std::string named;
   std::size_t at = 0;
