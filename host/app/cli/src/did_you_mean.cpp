@@ -56,7 +56,7 @@ std::string did_you_mean(const CLI::App& program, int argc, const char* const* a
     word = word.substr(0, word.find('='));
     const bool one_dash = word != std::string(argv[k]).substr(0, word.size());
     if (one_dash && std::ranges::find(options, word) != options.end()) return "did you mean " + word + "?";
-    const std::string asked = question(word, options);
+    std::string asked = question(word, options);
     if (!asked.empty()) return asked;
     if (std::ranges::find(options, word) == options.end() && is_unknown) return belongs_elsewhere(program, word);
   }

@@ -21,7 +21,7 @@ std::uint8_t type_of(const Parameter* p) {
 
 // rcl_interfaces/msg/ParameterValue: the type and a field for each type. A parameter that is not there is "not set".
 void put_value(CdrWriter& w, const Parameter* p) {
-  const auto or_none = [&]<class Value>(Value none) {
+  const auto or_none = [&]<class Value>(const Value& none) {
     const Value* value = p == nullptr ? nullptr : std::get_if<Value>(&p->value);
     return value == nullptr ? none : *value;
   };

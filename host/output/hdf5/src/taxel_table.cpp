@@ -73,7 +73,7 @@ void write_rows(hid_t file, const Rows& rows) {
   std::vector<const char*> covers;
   for (const std::string& name : rows.cover) covers.push_back(name.c_str());
   write_table(file, {"cover", "1", "name of the cover: of the design, or of its cover on a robot"}, n, 1, text.id(),
-              text.id(), covers.data());
+              text.id(), static_cast<const void*>(covers.data()));
   list({"module", "1", "number in the design of its cover"}, rows.module);
   list({"taxel", "1", "input of the converter, 0 to 11"}, rows.taxel);
   list({"patch", "1", "patch (controller) in the design of its cover, -1: none"}, rows.patch);

@@ -91,7 +91,7 @@ Polygon from_geojson(const json& j, const std::string& name) {
     if (j[list].size() != 1)
       fail(name,
            fmt::format("holds {} {}, where exactly one polygon is wanted; place each one alone, from a file of its own",
-                       j[list].size(), j[list].size() == 0 || !are_polygons(j[list]) ? list : "polygons"));
+                       j[list].size(), j[list].empty() || !are_polygons(j[list]) ? list : "polygons"));
     return from_geojson(j[list][0], name);
   }
   constexpr std::array<std::string_view, 4> kOthers{"Point", "MultiPoint", "LineString", "MultiLineString"};
@@ -167,7 +167,7 @@ class WktReader {
     at_ = end + 1;
   }
   // Z, M, ZM or nothing may follow the type with a space or without, then EMPTY.
-  void read_dimension(std::string dimension) {
+  void read_dimension(const std::string& dimension) {
     std::string next = dimension.empty() ? word() : dimension;
     if (next == "Z" || next == "M" || next == "ZM") {
       numbers_ = 2 + next.size();
@@ -356,11 +356,10 @@ void require_no_degrees(const Polygon& polygon, const std::string& name) {
 
 // A net may have cracks of zero width, which its pieces need; a drawn polygon may not.
 Polygon valid_polygon(Polygon polygon, const std::string& name) {
-  Polygon cleaned = polygon;
-  clean_ring(cleaned.outer, name, 0);
-  for (std::size_t h = 0; h < cleaned.holes.size(); ++h) clean_ring(cleaned.holes[h], name, h + 1);
-  require_valid_polygon(cleaned, name);
-  return normalize_polygon(std::move(cleaned), name);
+  clean_ring(polygon.outer, name, 0);
+  for (std::size_t h = 0; h < polygon.holes.size(); ++h) clean_ring(polygon.holes[h], name, h + 1);
+  require_valid_polygon(polygon, name);
+  return normalize_polygon(std::move(polygon), name);
 }
 
 Outlines drawn(Drawing drawing, const std::string& name) {
