@@ -60,6 +60,13 @@ def recordings(own, count):
     add(k, "the same, recovered: the new file plays too", FOUND, {"a.mcap": m.rewritten(own, False, back, -1)},
         "recover a.mcap -o b.mcap", 0, r"is whole")
     add(k, "candump log", REPORTED, {"a.log": b"(1700000000.000100) can0 18DA01F1#0322F190\n"}, "replay a.log", 2, "a candump log; give an MCAP")
+    lost = r"{}, where samples of a skin have triskin_msgs/msg/RawFrame"
+    for what, change, why in [("lost (schema 0)", lambda name: (0, name), r"has no type \(its schema is 0\)"),
+                              ("not in the file", lambda name: (999, name), r"names schema 999, which is not in the file"),
+                              ("renamed", lambda name: (None, name.replace("RawFrame", "Raw")), r"has the type triskin_msgs/msg/Raw")]:
+        data = m.retyped(own, change)
+        add(k, f"type of the samples {what}: played", FOUND, {"a.mcap": data}, "replay a.mcap --speed 0", 1, lost.format(why))
+        add(k, f"type of the samples {what}: recovered", FOUND, {"a.mcap": data}, "recover a.mcap -o b.mcap", 0, lost.format(why))
     add(k, "bag of ROS 1", FOUND, {"a.bag": b"#ROSBAG V2.0\nE\0\0\0"}, "replay a.bag", 2, "a bag of ROS 1; give an MCAP")
     for what, name, data, pattern in [
             ("log of Vector tools (ASC)", "a.asc", b"date Mon Jan 1 10:00:00 2024\nbase hex  timestamps absolute\n", r"a log of Vector tools \(ASC\); give an MCAP"),
@@ -108,6 +115,7 @@ def switched_off():
     mesh(k, "3MF of PrusaSlicer: modifier", REPORTED, "a.3mf", m.prusa(modifier.format("ParameterModifier")), 0, BLOCK)
     mesh(k, "3MF of PrusaSlicer: negative volume", FOUND, "a.3mf", m.prusa(modifier.format("NegativeVolume")), 0, left.format(r"second \(negative volume\)"))
     mesh(k, "3MF of PrusaSlicer: support blocker", FOUND, "a.3mf", m.prusa(modifier.format("SupportBlocker")), 0, left.format(r"second \(support blocker\)"))
+    mesh(k, "3MF of PrusaSlicer: triangles of its volumes not said", FOUND, "a.3mf", m.prusa(modifier.format("ParameterModifier"), first="x"), 2, r"does not say which triangles its volumes have \(firstid, lastid\)")
     mesh(k, "3MF of Slic3r: modifier=\"1\"", FOUND, "a.3mf", m.prusa('<metadata type="volume" key="modifier" value="1"/>'), 0, BLOCK)
     mesh(k, "3MF of Bambu Studio: modifier_part", FOUND, "a.3mf", m.bambu("modifier_part"), 0, BLOCK)
     mesh(k, "3MF of Bambu Studio: negative_part", FOUND, "a.3mf", m.bambu("negative_part"), 0, left.format(r"second \(negative volume\)"))
@@ -175,6 +183,23 @@ def transforms():
     add(k, "DXF without a unit: said", FOUND, {"a.dxf": m.dxf(m.lwpolyline(m.RECTANGLE), "")}, "place a.dxf --method r2", 0, r"names no unit; its numbers are taken as millimetres.*150\.0 × 120\.0 mm")
     add(k, "DXF without a unit, --unit in", FOUND, {"a.dxf": m.dxf(m.lwpolyline([(0, 0), (6, 0), (6, 5), (0, 5)]), "")}, "place a.dxf --method r2 --unit in", 0, r"^outline of 152\.4 × 127\.0 mm")
     add(k, "SVG in pixels: said", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'width="150" height="120"')}, "place a.svg --method r2", 0, r"pixels, taken as 96 an inch.*39\.7 × 31\.8 mm")
+    inside = r"150\.0 × 120\.0 mm"
+    for what, body, pattern in [
+            ("size of a rectangle in its style", '<rect style="width:150px;height:120px"/>', inside),
+            ("style before attribute", '<rect width="10" height="10" style="width:150px; height:120px"/>', inside),
+            ("size in a rule of the style sheet", "<style>rect{width:150px;height:120px}</style><rect/>", inside),
+            ("radius in its style", '<circle cx="50" cy="50" style="r:60px"/>', r"120\.0 × 120\.0 mm"),
+            ("radii of an ellipse by a class", '<style>.e{rx:75px;ry:60px}</style><ellipse class="e" cx="75" cy="60"/>', inside),
+            ("place of a second rectangle in its style", '<rect width="100" height="120"/><rect style="x:110px" width="40" height="120"/>', "2 outlines beside each other")]:
+        add(k, f"SVG: {what}", FOUND, {"a.svg": m.svg(body)}, "place a.svg --method r2", 2 if "outlines" in pattern else 0, pattern)
+    for what, body, pattern in [("path in its style", "<path style=\"d:path('M0,0 H9 V9 Z')\"/>", "its style sets \"d: .*write it as the attribute d"),
+                                ("size that is calculated", "<style>rect{width:calc(100px + 50px)}</style><rect height='9'/>", "calc.* is not read"),
+                                ("size in per cent", '<rect style="width:50%" height="9"/>', 'width="50%" is no number')]:
+        add(k, f"SVG: {what}", FOUND, {"a.svg": m.svg(body)}, "place a.svg --method r2", 2, pattern)
+    add(k, "SVG of a page that gives it a share of the page", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'width="150mm" height="120mm" viewBox="0 0 150 120" style="width:100%;height:100%"')}, "place a.svg --method r2", 0, inside)
+    add(k, "SVG: its size in its style", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'viewBox="0 0 150 120" style="width:150mm;height:120mm"')}, "place a.svg --method r2", 0, inside)
+    add(k, "SVG with a width in mm and no viewBox: said", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'width="150mm" height="120mm"')}, "place a.svg --method r2", 0, r"it has a width but no viewBox, so its numbers are pixels of 1/96 inch.*give --unit mm.*39\.7 × 31\.8 mm")
+    mesh(k, "glTF that needs a newer reader", FOUND, "a.gltf", m.gltf([{"mesh": 0}]).replace(b'"version": "2.0"', b'"version": "2.0", "minVersion": "2.1"'), 2, r"needs a reader of glTF 2\.1, and this one reads 2\.0")
     add(k, "SVG with a viewBox alone", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'viewBox="0 0 150 120"')}, "place a.svg --method r2", 2, "does not say how large it is.*pass --unit")
     add(k, "SVG with a viewBox alone, --unit mm", FOUND, {"a.svg": m.svg('<rect width="150" height="120"/>', 'viewBox="0 0 150 120"')}, "place a.svg --method r2 --unit mm", 0, r"150\.0 × 120\.0 mm")
     add(k, "WKT in metres, --unit m", FOUND, {"a.wkt": b"POLYGON((0 0, 0.15 0, 0.15 0.12, 0 0.12, 0 0))"}, "place a.wkt --method r2 --unit m", 0, r"150\.0 × 120\.0 mm")
@@ -303,6 +328,9 @@ def names():
     for what, one, other in SCRIPTS:
         who = REPORTED if what == "Chinese" else FOUND
         add(k, f"cover named in {what}", who, {}, ("names", one, other), 0, r"^\d\d formats keep the names apart")
+        # A name on a command line and in a table of a robot has no blanks and quotes.
+        if what != "spaces and quotes":
+            add(k, f"covers of a robot named in {what}", FOUND, {}, ("covers", one.replace(" ", "_"), other.replace(" ", "_")), 0, r"^\d\d formats, covers apart")
     mesh(k, "file name with a line of every script", FOUND, "左 é ж ذ 🦾 '\".obj", m.obj(m.block()), 0, BLOCK)
     ALL[-1] = ALL[-1][:4] + (["extract", "左 é ж ذ 🦾 '\".obj", "-o", "out.obj"],) + ALL[-1][5:]
     add(k, "file name that begins with a dash", FOUND, {"-a.obj": m.obj(m.block())}, "extract ./-a.obj -o out.obj", 0, BLOCK)
@@ -362,6 +390,10 @@ def robots():
             ("quaternion of length 2", FOUND, m.urdf(m.LINKS + m.joint('<origin quat_xyzw="0 0 0 2"/>')), 2, "must be four numbers of length 1"),
             ("quaternion and angles", FOUND, m.urdf(m.LINKS + m.joint('<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>')), 2, "has rpy and quat_xyzw; leave one out"),
             ("transmissions and notes of a simulator", FOUND, m.urdf(m.LINKS + m.joint("") + '<transmission name="t"><joint name="j"/></transmission><gazebo reference="arm"/>'), 0, "robot r with"),
+            ("limits in degrees", FOUND, m.urdf(m.LINKS + m.joint('<limit effort="1" velocity="1" lower="-90" upper="90"/>', type="revolute")), 2, 'has the limit lower="-90", more than two turns; a URDF is in radians: is it in degrees. Then write -1.570796'),
+            ("a wrist of two turns", FOUND, m.urdf(m.LINKS + m.joint('<limit effort="1" velocity="1" lower="-12.566" upper="12.566"/>', type="revolute")), 0, "robot r with"),
+            ("a slide of 90 m, whose limits are no angles", FOUND, m.urdf(m.LINKS + m.joint('<limit effort="1" velocity="1" lower="0" upper="90"/>', type="prismatic")), 0, "robot r with"),
+            ("a joint that mimics itself", FOUND, m.urdf(m.LINKS + m.joint('<mimic joint="j"/>', type="continuous")), 2, 'joint "j" mimics itself'),
             ("a good one", FOUND, m.urdf(m.LINKS + m.joint('<origin xyz="0 0 0.4" rpy="0 1.57 0"/>')), 0, "robot r with")]:
         add(k, what, who, {"a.urdf": data}, new, status, pattern)
 
@@ -393,6 +425,29 @@ def sizes():
     add(k, "every answer has the size: design", FOUND, {"a.obj": m.obj(m.block())}, "design a.obj -o d.json --time-limit-s 1", 0, r"120\.0 × 90\.0 × 40\.0 mm")
     add(k, "every answer has the size: place", FOUND, {"a.wkt": b"POLYGON((0 0, 150 0, 150 120, 0 120, 0 0))"}, "place a.wkt --method r2", 0, r"150\.0 × 120\.0 mm")
     add(k, "every answer has the size: faces", FOUND, {"a.step": GOOD_STEP.encode()}, "faces a.step", 0, r"\d × \d.* mm")
+
+
+def endless():
+    """What has no end, or more levels than a reader that recurses has stack for."""
+    k = "deep and endless"
+    for command in ("extract /dev/zero -o o.obj", "faces /dev/zero", "place /dev/zero", "design /dev/zero -o d.json", "check /dev/zero",
+                    "robot show /dev/zero", "export /dev/zero --format gltf -o o.gltf", "flash strip.json --link sim --firmware /dev/zero",
+                    "replay /dev/zero", "recover /dev/zero -o r.mcap", "robot new r.json --name r --urdf /dev/zero"):
+        add(k, command, FOUND, {}, command, 2, "/dev/zero: is a device or socket; give a file")
+    deep = lambda tag, count, inside: f"<{tag}>" * count + inside + f"</{tag}>" * count
+    nested = "its XML is nested more than 500 deep; repair or export it again"
+    add(k, "SVG: 15,000 nested groups", FOUND, {"a.svg": m.svg(deep("g", 15_000, '<rect width="150" height="120"/>'))}, "place a.svg --method r2", 2, nested)
+    add(k, "SVG: 50 nested groups", FOUND, {"a.svg": m.svg(deep("g", 50, '<rect width="150" height="120"/>'))}, "place a.svg --method r2", 0, r"150\.0 × 120\.0 mm")
+    add(k, "URDF: 200,000 nested elements", FOUND, {"a.urdf": m.urdf(m.LINKS + m.joint("") + deep("g", 200_000, ""))}, "robot new r.json --name r --urdf a.urdf", 2, nested)
+    mesh(k, "3MF: 200,000 nested elements", FOUND, "a.3mf", m.three_mf(f'<object id="1" type="model">{deep("g", 200_000, "")}{m.mesh_xml(m.block())}</object>', '<item objectid="1"/>'), 2, nested)
+    mesh(k, "DAE: 200,000 nested elements", FOUND, "a.dae", m.dae("").replace(b"</COLLADA>", deep("extra", 200_000, "").encode() + b"</COLLADA>"), 2, nested)
+    mesh(k, "glTF: 200,000 nested lists", FOUND, "a.gltf", m.gltf([{"mesh": 0}])[:-1] + b',"extras":' + b"[" * 200_000 + b"]" * 200_000 + b"}", 2, "nested too deeply")
+    add(k, "JSON: 200,000 nested lists given to check", FOUND, {"a.json": b"[" * 200_000 + b"]" * 200_000}, "check a.json", 2, "a.json: ")
+    if PYTHON:
+        fifo = "import os\nos.mkfifo('a.mcap')\n"
+        add(k, "Python: a pipe that nobody writes, read", FOUND, {}, ("python", fifo + "triskin.read('a.mcap')"), 1, r"BadInput: a\.mcap: is a folder, a pipe or a device")
+        add(k, "Python: a pipe that nobody writes, opened", FOUND, {}, ("python", fifo + "triskin.open('a.mcap', link='sim')"), 1, r"BadInput: a\.mcap: is a folder, a pipe or a device")
+        add(k, "Python: a device", FOUND, {}, ("python", "triskin.open('/dev/zero', link='sim')"), 1, "BadInput: /dev/zero: is a folder, a pipe or a device")
 
 
 def trials():
@@ -470,6 +525,9 @@ def python():
             ("link=None", REPORTED, "with triskin.open('own.mcap', link=None) as s: print('read')", 0, "read"),
             ("a number as a path", FOUND, "triskin.open(3)", 1, "TypeError"),
             ("a file that is not there", FOUND, "triskin.open('none.mcap')", 1, r"triskin\.BadInput: none\.mcap: cannot read"),
+            ("a design, read as a recording", FOUND, "triskin.read('strip.json')", 1, r"BadInput: strip\.json: .*a design of Triskin"),
+            ("a table, read as a recording", FOUND, "open('a.csv','w').write('a,b\\n1,2\\n3,4\\n')\ntriskin.read('a.csv')", 1, r"BadInput: a\.csv: .*a table of text \(CSV\); give an MCAP"),
+            ("JSON of another program, read as a recording", FOUND, "open('x.json','w').write('{\"a\":1}')\ntriskin.read('x.json')", 1, r"BadInput: x\.json: (?!no link)"),
             ("repr of a recording", REPORTED, "with triskin.open('own.mcap') as s: print(repr(s))", 0, r"<triskin\.Recording of strip: 4 modules, \d+ samples of a simulation>"),
             ("a thread of its own", FOUND, "import threading\nout=[]\ndef f():\n  with triskin.open('own.mcap') as s: out.append('read')\nt=threading.Thread(target=f); t.start(); t.join(); print(out)", 0, "read"),
             ("None as a path", FOUND, "triskin.open(None)", 1, "TypeError: expected str, bytes or os.PathLike object, not NoneType"),
@@ -626,6 +684,34 @@ def compare_names(one, other, folder, environment):
     return 0, f"{len(formats)} formats keep the names apart{readers}" + (f" ({', '.join(sorted(left_out))} not read)" if left_out else "")
 
 
+COVERS = "import numpy, sys; print(*sorted(set(numpy.load(sys.argv[1])['cover'])))"
+
+
+def compare_covers(one, other, folder, environment):
+    """A robot with two covers of these names, exported in every format: tables keep the names, files differ."""
+    for command in (["robot", "new", "r.json", "--name", one, "--bus", "a=can:can0"],
+                    ["robot", "add", "r.json", "strip.json", "--name", one, "--bus", "a", "--xyz-mm", "0,0,0"],
+                    ["robot", "add", "r.json", "strip.json", "--name", other, "--bus", "a", "--xyz-mm", "0,0,600"]):
+        status, said = run([TRISKIN, *command], folder, environment)
+        if status != 0:
+            return status, said
+    status, said = run([TRISKIN, "export", "--help"], folder, environment)
+    formats = re.findall(r"[\w-]+", re.search(r"\(one of ([\w\s,-]+)\)", said)[1])
+    for kind in formats:
+        status, said = run([TRISKIN, "export", "r.json", "--format", kind], folder, environment)
+        if status != 0 and "was built without" not in said:
+            return status, f"{kind}: {said}"
+        written = said.strip().splitlines()
+        if len(written) > 1 and not all(any(name in line for line in written) for name in (one, other)):
+            return 1, f"{kind}: {said}"
+    with open(folder / "r.taxels.csv", encoding="utf-8", newline="") as rows:
+        covers = sorted({row["cover"] for row in csv.DictReader(rows)})
+    in_arrays = asked(folder, environment, "/usr/bin/python3", "-c", COVERS, "r.npz")
+    if covers != sorted([one, other]) or in_arrays not in (None, " ".join(covers)):
+        return 1, f"the tables name {covers} and {in_arrays}"
+    return 0, f"{len(formats)} formats, covers apart"
+
+
 def shown(text, state):
     lines = [line for line in text.strip().splitlines() if line.strip() and not line.startswith("…")]
     # Times and the folder of the run differ from run to run.
@@ -653,7 +739,7 @@ def main():
         played = re.search(r"^[1-9]\d+ module samples in \d\.\d\d s$", said, re.MULTILINE)
         assert status == 0 and played, said
         recordings(own, "^" + re.escape(played[0]) + "$")
-        for part in (switched_off, transforms, held, in_place_of_designs, names, frames, robots, sizes, fresh, trials):
+        for part in (switched_off, transforms, held, in_place_of_designs, names, frames, robots, sizes, endless, fresh, trials):
             part()
         if PYTHON:
             python()
@@ -672,6 +758,9 @@ def main():
             if command[0] == "names":
                 got, said = compare_names(command[1], command[2], folder, used)
                 text = f"design, export: {command[1]}, {command[2]}"
+            elif command[0] == "covers":
+                got, said = compare_covers(command[1], command[2], folder, used)
+                text = f"robot new, robot add, export: {command[1]}, {command[2]}"
             elif command[0] == "limited":
                 got, said = with_limit(command[1], command[2].split(), command[3].split(), folder, used)
                 text = "triskin " + command[2]

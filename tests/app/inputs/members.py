@@ -90,10 +90,11 @@ def two_blocks():
     return v + w, f + [tuple(k + 8 for k in t) for t in g]
 
 
-def prusa(second):
+def prusa(second, first="12"):
     return three_mf(f'<object id="1" type="model">{mesh_xml(two_blocks())}</object>', '<item objectid="1"/>',
                     {"Metadata/Slic3r_PE_model.config": '<config><object id="1"><volume firstid="0" lastid="11">'
-                     '<metadata type="volume" key="volume_type" value="ModelPart"/></volume><volume firstid="12" lastid="23">'
+                     '<metadata type="volume" key="volume_type" value="ModelPart"/></volume>'
+                     f'<volume firstid="{first}" lastid="23">'
                      f'<metadata type="volume" key="name" value="second"/>{second}</volume></object></config>'})
 
 
@@ -274,6 +275,28 @@ def recording_of(topic, schema):
         records += record(4, struct.pack("<HH", 0, 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
         records += record(5, struct.pack("<HIQQ", 0, 0, 1, 1) + b"abc")
     return closed(records)
+
+
+def retyped(data, change):
+    """The recording without chunks, in which `change(name)` gives the schema of the samples another number (None: the
+    same) and another name."""
+    plain = rewritten(data, False, list, 0)
+    kept, number = b"", None
+    for kind, contents in mcap_records(plain):
+        if kind == 15:
+            break
+        if kind == 3:
+            size = struct.unpack_from("<I", contents, 2)[0]
+            name = contents[6:6 + size].decode()
+            if name.endswith("/RawFrame"):
+                number = struct.unpack_from("<H", contents)[0]
+                name = change(name)[1]
+                contents = contents[:2] + struct.pack("<I", len(name)) + name.encode() + contents[6 + size:]
+        if kind == 4 and number is not None and struct.unpack_from("<H", contents, 2)[0] == number:
+            wanted = change("RawFrame")[0]
+            contents = contents[:2] + struct.pack("<H", number if wanted is None else wanted) + contents[4:]
+        kept += record(kind, contents)
+    return closed(kept)
 
 
 def rewritten(data, chunked, order, shift):

@@ -111,6 +111,11 @@ TEST(RobotFile, bad_forms_name_file_and_key) {
   EXPECT_THAT(refused("\"patch\":0", "\"patch\":-1"), HasSubstr("/covers/0/controllers/0/patch"));
   EXPECT_THAT(refused("\"node\":1", "\"node\":127"), HasSubstr("1 … 126"));
   EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"up/per\""), HasSubstr("/covers/0/name: must be a name"));
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"左 腕\""), HasSubstr("must be a name"));
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"1arm\""), HasSubstr("must be a name"));
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"arm\u202E\""), HasSubstr("must be a name"));  // turns the text
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"左腕\""), "accepted");
+  EXPECT_THAT(refused("\"name\":\"upper\"", "\"name\":\"Überärmel\""), "accepted");
   EXPECT_THAT(refused("[1,0,0,0]", "[-1,0,0,0]"), HasSubstr("mirrors the cover"));
   EXPECT_THAT(refused("[1,0,0,0]", "[2,0,0,0]"), HasSubstr("unit vectors"));
 }

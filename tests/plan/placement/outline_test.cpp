@@ -215,7 +215,7 @@ TEST(Outlines, degrees_of_a_map_are_no_millimetres) {
 
 TEST(SvgOutline, what_would_be_half_read_is_refused) {
   const std::string square = R"(<rect class="a" width="50" height="40"/>)";
-  for (const char* rule : {"transform:scale(2)", "clip-path:circle(9px)", "fill:var(--f)", "r:5px"})
+  for (const char* rule : {"transform:scale(2)", "clip-path:circle(9px)", "fill:var(--f)", "width:calc(1px + 2px)"})
     EXPECT_THAT(error_of(svg("<style>/* b */ .a{fill:none;" + std::string(rule) + "}</style>" + square)),
                 HasSubstr("style sheet sets"))
         << rule;

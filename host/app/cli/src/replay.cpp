@@ -135,6 +135,7 @@ int run(const Options& options, Output& output) {
   output.result["complete"] = summary.file.complete;
   tell_readers(design, summary, player, output);
   output.say(fmt::format("{} in {:.2f} s", counted(player.state().frames, "module sample"), player.state().time_s));
+  for (const std::string& why : summary.not_understood) output.say(fmt::format("{}: {}", options.file, why));
   if (!summary.file.complete)
     output.say(fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem));
   return player.state().frames == 0 ? 1 : 0;

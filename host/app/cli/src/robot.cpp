@@ -79,7 +79,8 @@ void define_bus(robot::Robot& robot, const std::string& text) {
 void require_name(const Options& options, const char* what) {
   require(options.name, options, what);
   if (!robot::is_name(options.name))
-    throw InputError(fmt::format("--name {}: must be a letter, then letters, digits, _ or -", options.name));
+    throw InputError(
+        fmt::format("--name {}: must be a letter of any script, then letters, digits, _ or -", options.name));
 }
 
 int run_new(const Options& options, Output& output) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -405,13 +406,21 @@ std::string path_of(const py::object& path) {
   if (file.find('\0') != std::string::npos) throw BadInput("the name of the file contains a null character");
   return file;
 }
+// The same of what is read: a pipe or a device may never end.
+std::string file_of(const py::object& path) {
+  std::string file = path_of(path);
+  std::error_code none;
+  if (std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
+    throw BadInput(file + ": is a folder, a pipe or a device; give a recording, a design or a robot file");
+  return file;
+}
 std::string path_or_none(const py::object& path) {
   return path.is_none() ? std::string() : path_of(path);
 }
 
 py::object open_file(const py::object& path, const std::optional<std::string>& link_or_none,
                      const py::object& scene_path, int every, bool overload, double queue_s) {
-  const std::string file = path_of(path), link = link_or_none.value_or(""), scene = path_or_none(scene_path);
+  const std::string file = file_of(path), link = link_or_none.value_or(""), scene = path_or_none(scene_path);
   if (!is_recording(file)) return py::cast(std::make_unique<Skin>(file, link, scene, every, overload, queue_s));
   if (!link.empty() || !scene.empty())
     throw BadInput(file +
@@ -420,8 +429,12 @@ py::object open_file(const py::object& path, const std::optional<std::string>& l
   return py::cast(std::make_unique<Recording>(file));
 }
 
+std::unique_ptr<Recording> read_recording(const py::object& path) {
+  return std::make_unique<Recording>(file_of(path));
+}
+
 std::unique_ptr<Skin> simulate(const py::object& path, const py::object& scene, int every) {
-  const std::string file = path_of(path);
+  const std::string file = file_of(path);
   triskin_status status = TRISKIN_OK;
   {
     const py::gil_scoped_release released;
@@ -512,6 +525,7 @@ PYBIND11_MODULE(_core, m) {
         py::arg("every") = 0, py::arg("overload") = false, py::arg("queue_s") = 10.0,
         "Opens the skin of a design file or of a robot file, or a recording (.mcap). link: as --link of the program; "
         "None: of a robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
+  m.def("_read_recording", &read_recording, py::arg("file"));
   m.def("simulate", &simulate, py::arg("file"), py::kw_only(), py::arg("scene") = py::none(), py::arg("every") = 0,
         "Opens the skin of a design on simulated boards, which get its tables first. scene: file of what touches it. "
         "Raises BadInput, DeviceFailed.");

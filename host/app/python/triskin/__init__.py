@@ -5,7 +5,7 @@ Names carry units: _mm, _s, _us, _n (newton), _kpa, _counts (of the converters, 
 frame of the design's mesh, of a robot in the frame of its base."""
 import asyncio as _asyncio
 
-from ._core import BadInput, DeviceFailed, Recording, Skin, __version__, open, simulate
+from ._core import BadInput, DeviceFailed, Recording, Skin, __version__, _read_recording, open, simulate
 from ._frames import Frames, frames, write_frames
 
 __all__ = ["BadInput", "DeviceFailed", "Frames", "Recording", "Skin", "__version__", "frames", "open", "read", "simulate",
@@ -17,11 +17,7 @@ for _name in (BadInput, DeviceFailed, Recording, Skin, open, simulate):
 
 def read(file):
     """Reads a recording (.mcap) whole into memory: arrays, and to_dataframe(). Raises BadInput for a file that is none."""
-    recording = open(file)
-    if not isinstance(recording, Recording):
-        recording.close()
-        raise BadInput(f"{file}: is no recording; open a skin with triskin.open")
-    return recording
+    return _read_recording(file)
 
 
 def _blocks(self, period_s=0.1):

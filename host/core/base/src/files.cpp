@@ -19,6 +19,7 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/nearest_name.hpp"
 #include "triskin/base/output_target.hpp"
+#include "triskin/base/require_file.hpp"
 
 namespace triskin {
 namespace {
@@ -83,14 +84,33 @@ std::string similar_file(const std::filesystem::path& path) {
   return nearest.empty() ? "" : fmt::format("; did you mean {}?", (path.parent_path() / nearest).string());
 }
 
+// Reads to the end, but not for ever: a pipe may have none.
+std::string bytes_of(std::istream& in, std::string bytes, const std::string& name) {
+  constexpr std::size_t kBlock = std::size_t{1} << 20;
+  std::string block(kBlock, '\0');
+  while (in.read(block.data(), kBlock) || in.gcount() > 0) {
+    bytes.append(block, 0, static_cast<std::size_t>(in.gcount()));
+    if (bytes.size() > kMaxInput_bytes)
+      throw InputError(fmt::format("{}: does not end within {} GiB; give a smaller file", name, kMaxInput_bytes >> 30));
+  }
+  return bytes;
+}
+
 }  // namespace
 
+void require_file(const std::filesystem::path& path, Pipes pipes) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  const fs::file_status status = fs::status(path, none);
+  if (!fs::exists(status) || fs::is_regular_file(status)) return;
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
+  if (!fs::is_fifo(status)) throw InputError(fmt::format("{}: is a device or socket; give a file", path.string()));
+  if (pipes == Pipes::kRefused) throw InputError(fmt::format("{}: is a pipe; give a file", path.string()));
+}
+
 std::string read_file(const std::filesystem::path& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-  std::error_code ec;
-  if (std::filesystem::is_directory(path, ec)) {
-    throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
-  }
+  if (path == "-") return bytes_of(std::cin, {}, "standard input");
+  require_file(path, Pipes::kAllowed);
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     const int cause = errno;
@@ -98,14 +118,17 @@ std::string read_file(const std::filesystem::path& path) {
            cause == ENOENT ? similar_file(path) : "");
   }
   std::string bytes;  // The size is known except for a pipe; the buffer is then filled in one piece.
+  std::error_code ec;
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {
+    if (size > kMaxInput_bytes)
+      throw InputError(fmt::format("{}: has {:.1f} GiB, and at most {} are read; give a smaller file", path.string(),
+                                   static_cast<double>(size) / (1 << 30), kMaxInput_bytes >> 30));
     bytes.resize(static_cast<std::size_t>(size));
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     bytes.resize(static_cast<std::size_t>(in.gcount()));
   }
   // The file may have grown since its size was read.
-  if (in) bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  return bytes;
+  return in ? bytes_of(in, std::move(bytes), path.string()) : bytes;
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

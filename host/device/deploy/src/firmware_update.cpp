@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <optional>
 
 #include "triskin/base/counted.hpp"
 #include "triskin/base/file_kind.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/layout/image_check.hpp"
 #include "triskin/session/controller.hpp"
@@ -220,10 +220,9 @@ void require_fit(const FirmwarePackage& package, const std::array<std::uint8_t, 
 }
 
 FirmwarePackage read_firmware(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  const std::string bytes = read_file(file);
   FirmwarePackage p;
-  p.bytes.assign(std::istreambuf_iterator<char>(in), {});
-  if (!in.is_open()) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  p.bytes.assign(bytes.begin(), bytes.end());
   const auto head = layout::decode_package_head(p.bytes);
   if (const std::string what = not_asked_for({reinterpret_cast<const char*>(p.bytes.data()), p.bytes.size()},
                                              FileUse::kFirmware, file.string());

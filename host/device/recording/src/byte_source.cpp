@@ -11,6 +11,7 @@
 
 #include "positioned_read.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/require_file.hpp"
 
 namespace triskin::recording {
 
@@ -30,8 +31,7 @@ InputFile::InputFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, none))
     throw InputError(fmt::format("{}: is a folder; give a recording in it, as {}", path.string(),
                                  (path / (path.filename().string() + "_0.mcap")).string()));
-  if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
-    throw InputError(fmt::format("{}: is no file; give a recording", path.string()));
+  require_file(path, Pipes::kRefused);
   file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file_ < 0) throw InputError(fmt::format("{}: cannot read ({})", path.string(), std::strerror(errno)));
 }

@@ -29,6 +29,7 @@ class Samples final : public mcap::Visitor {
       raw_.insert(channel.id);
     }
     if (schemas_[channel.schema] == kReadersType.name) readers_channels_.insert(channel.id);
+    if (channels_.insert(channel.id).second) note_type(channel);
   }
   void on_attachment(const mcap::Attachment& attachment) override {
     if (attachment.name == "design.json") {
@@ -49,6 +50,18 @@ class Samples final : public mcap::Visitor {
   }
 
  private:
+  // A topic of raw frames is .../raw; a program that rewrote the file may have lost or renamed its type.
+  void note_type(const mcap::Channel& channel) {
+    const auto type = schemas_.find(channel.schema);
+    const bool is_known = channel.schema != 0 && type != schemas_.end() && !type->second.empty();
+    if (!channel.topic.ends_with("/raw") || (is_known && type->second == kRawFrameType.name)) return;
+    const std::string why = is_known ? fmt::format("has the type {}", type->second)
+                            : channel.schema == 0
+                                ? "has no type (its schema is 0)"
+                                : fmt::format("names schema {}, which is not in the file", channel.schema);
+    summary_.not_understood.push_back(
+        fmt::format("{} {}, where samples of a skin have {}", channel.topic, why, kRawFrameType.name));
+  }
   // Modules of different covers share numbers, so one reader would mix them.
   [[noreturn]] void throw_several_covers() const {
     throw InputError(
@@ -90,7 +103,7 @@ class Samples final : public mcap::Visitor {
   std::vector<int> numbers_;
   std::map<std::uint16_t, std::string> schemas_;
   // A topic may have several channels: a program that merges files keeps those of each.
-  std::set<std::uint16_t> raw_, readers_channels_;
+  std::set<std::uint16_t> channels_, raw_, readers_channels_;
   std::string raw_topic_;
   // Entries are indexed by module; they are empty if the recording does not name the readers.
   std::vector<Reader> own_, readers_;

@@ -18,6 +18,7 @@
 #include "triskin/base/file_kind.hpp"
 #include "triskin/base/short_list.hpp"
 #include "triskin/base/text_file.hpp"
+#include "triskin/base/xml_depth.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
@@ -28,7 +29,8 @@ using boost::property_tree::ptree;
 constexpr double kMm_per_m = 1000.0;
 // No joint of a robot with a skin is farther from the one before it; the longest arms reach a few metres.
 constexpr double kMaxOffset_m = 10.0;
-constexpr double kMaxTurn_rad = 2.0 * std::numbers::pi + 0.01;  // More than a whole turn says nothing but degrees.
+constexpr double kMaxTurn_rad = 2.0 * std::numbers::pi + 0.01;   // More than a whole turn says nothing but degrees.
+constexpr double kMaxLimit_rad = 4.0 * std::numbers::pi + 0.01;  // Wrists turn once or twice to each side.
 
 struct Joint {
   std::string parent, child;
@@ -39,6 +41,7 @@ class Urdf {
  public:
   Urdf(const std::string& text, std::string file) : file_(std::move(file)) {
     if (const std::string what = not_asked_for(text, FileUse::kRobot, file_); !what.empty()) fail("is " + what);
+    require_shallow_xml(text, file_);
     std::istringstream in(text);
     ptree document;
     try {
@@ -138,6 +141,8 @@ class Urdf {
                              ? fmt::format(": {:.6g} {:.6g} {:.6g}", v[0] / length, v[1] / length, v[2] / length)
                              : ", as 0 0 1"));
     }
+    if (const auto mimic = element.get_child_optional("mimic"); mimic && attribute(*mimic, "mimic", "joint") == name)
+      fail(fmt::format("{} mimics itself; name the joint that it follows, or take out its <mimic>", where));
     if (type != "revolute" && type != "prismatic") return;
     const auto limit = element.get_child_optional("limit");
     if (!limit)
@@ -150,6 +155,14 @@ class Urdf {
         limit->get_optional<std::string>("<xmlattr>.lower") && limit->get_optional<std::string>("<xmlattr>.upper");
     if (has_range && number_in(*limit, "lower", where) > number_in(*limit, "upper", where))
       fail(fmt::format("{} has a lower limit above its upper one; exchange them", where));
+    for (const char* key : {"lower", "upper"}) {
+      if (type != "revolute" || !limit->get_optional<std::string>(fmt::format("<xmlattr>.{}", key))) continue;
+      if (const double turn = number_in(*limit, key, where); std::abs(turn) > kMaxLimit_rad)
+        fail(fmt::format(
+            "{} has the limit {}=\"{:g}\", more than two turns; a URDF is in radians: is it in degrees? Then "
+            "write {:.7g}",
+            where, key, turn, turn * std::numbers::pi / 180.0));
+    }
   }
 
   // Turns about the fixed axes x, y, z, or from version 1.1 of URDF a quaternion.

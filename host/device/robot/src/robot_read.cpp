@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/base/error.hpp"
+#include "triskin/base/terminal_text.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/design/file_head.hpp"
@@ -27,7 +28,8 @@ constexpr int kMaxBitRate = 10'000'000;
 
 std::string name_in(const JsonValue& v) {
   std::string name = v.text();
-  if (!is_name(name)) v.fail("must be a name: a letter, then letters, digits, \"_\" or \"-\", at most 64");
+  if (!is_name(name))
+    v.fail("must be a name: a letter of any script, then letters, digits, \"_\" or \"-\", at most 64 bytes");
   return name;
 }
 
@@ -175,10 +177,12 @@ class FormatFinder final : public nlohmann::json::json_sax_t {
 }  // namespace
 
 bool is_name(const std::string& text) {
-  constexpr std::size_t kMaxLetters = 64;
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
-  return !text.empty() && text.size() <= kMaxLetters && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
-         std::ranges::all_of(text, allowed);
+  constexpr std::size_t kMax_bytes = 64;
+  constexpr unsigned char kFirstByteBeyondAscii = 0x80;
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c >= kFirstByteBeyondAscii; };
+  const auto allowed = [&](unsigned char c) { return is_letter(c) || std::isdigit(c) != 0 || c == '_' || c == '-'; };
+  return !text.empty() && text.size() <= kMax_bytes && is_letter(static_cast<unsigned char>(text[0])) &&
+         std::ranges::all_of(text, allowed) && for_terminal(text) == text;
 }
 
 bool is_frame_name(const std::string& text) {

@@ -7,10 +7,21 @@
 #include <bit>
 #include <cstdint>
 
+#include "triskin/base/terminal_text.hpp"
 #include "triskin/core/bytes.hpp"
 
 namespace triskin::exports {
 namespace {
+
+std::u32string characters_of(const std::string& text) {
+  std::u32string characters;
+  for (std::size_t at = 0; at < text.size();) {
+    const Utf8Character c = utf8_at(text, at);
+    characters += c.bytes == 0 ? U'\uFFFD' : c.code;
+    at += std::max<std::size_t>(c.bytes, 1);
+  }
+  return characters;
+}
 
 // Writes little-endian on every computer.
 void put(std::string& out, std::uint64_t value, int bytes) {
@@ -74,11 +85,15 @@ void NpzWriter::add(const std::string& name, std::span<const int> values) {
 }
 
 void NpzWriter::add(const std::string& name, std::span<const std::string> values) {
+  std::vector<std::u32string> texts;
   std::size_t length = 1;
-  for (const std::string& v : values) length = std::max(length, v.size());
-  std::string data;
   for (const std::string& v : values) {
-    for (std::size_t k = 0; k < length; ++k) put(data, k < v.size() ? static_cast<std::uint8_t>(v[k]) : 0U, 4);
+    texts.push_back(characters_of(v));
+    length = std::max(length, texts.back().size());
+  }
+  std::string data;
+  for (const std::u32string& text : texts) {
+    for (std::size_t k = 0; k < length; ++k) put(data, k < text.size() ? text[k] : U'\0', 4);
   }
   add_array(name, fmt::format("<U{}", length), fmt::format("({},)", values.size()), data);
 }

@@ -13,7 +13,7 @@ class NpzWriter {
   /// Adds an array of doubles with `columns` in a row; 1 makes it one-dimensional.
   void add(const std::string& name, std::span<const double> values, std::size_t columns);
   void add(const std::string& name, std::span<const int> values);
-  /// Adds an array of texts, which must be ASCII.
+  /// Adds an array of texts in UTF-8; bytes that are none become U+FFFD.
   void add(const std::string& name, std::span<const std::string> values);
   /// Returns the archive, to which nothing can be added afterwards.
   [[nodiscard]] std::string finish();

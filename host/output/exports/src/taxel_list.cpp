@@ -7,7 +7,6 @@
 #include "module_names.hpp"
 #include "npz.hpp"
 #include "simulator_taxels.hpp"
-#include "triskin/base/ascii_name.hpp"
 #include "triskin/design/module_number.hpp"
 #include "triskin/exports/simulators.hpp"
 
@@ -43,7 +42,7 @@ std::string taxel_list_npz(const design::Design& design) {
     module.push_back(design::number_of(design, t.module).value);
     taxel.push_back(t.taxel);
     link.push_back(link_name(design, t.module));
-    cover.push_back(ascii_name(cover_name(design, t.module), "", "cover"));
+    cover.push_back(cover_name(design, t.module));
   }
   NpzWriter npz;
   npz.add("position", position, 3);

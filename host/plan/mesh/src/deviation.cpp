@@ -288,7 +288,7 @@ std::vector<DroppedPart> missing_parts(const Mesh& input, const std::vector<bool
   std::vector<double> missing(way.changed().size());
   tbb::parallel_for(std::size_t{0}, missing.size(),
                     [&](std::size_t k) { missing[k] = missing_mm2(way, way.changed()[k], within_mm, smallest_mm2); });
-  std::vector<double> of_face(input.faces.size(), kAllThere);
+  std::vector<std::optional<double>> of_face(input.faces.size());
   for (std::size_t k = 0; k < missing.size(); ++k) {
     if (missing[k] > 0.0) of_face[at(way.changed_faces()[k])] = missing[k];
   }

@@ -31,14 +31,14 @@ Triangles::Key Triangles::key_of(const geometry::Triangle& t) {
 }
 
 std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<bool>& is_dropped) {
-  std::vector<double> missing_mm2(mesh.faces.size(), kAllThere);
+  std::vector<std::optional<double>> missing_mm2(mesh.faces.size());
   for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
     if (is_dropped[at(f)]) missing_mm2[at(f)] = geometry::area_of(triangle_of(mesh, f));
   }
   return parts_of_faces(mesh, missing_mm2);
 }
 
-std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<double>& missing_mm2) {
+std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<std::optional<double>>& missing_mm2) {
   std::vector<int> root(mesh.vertices.size());
   std::iota(root.begin(), root.end(), 0);
   const auto root_of = [&](int v) {
@@ -47,7 +47,7 @@ std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<doub
     return k;
   };
   for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
-    if (missing_mm2[at(f)] == kAllThere) continue;
+    if (!missing_mm2[at(f)]) continue;
     const auto& face = mesh.faces[at(f)];
     for (std::size_t k = 1; k < 3; ++k) root[root_of(face[k])] = static_cast<int>(root_of(face[0]));
   }
@@ -55,7 +55,7 @@ std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<doub
   std::vector<double> largest_mm2;
   std::vector<std::size_t> part_of_root(mesh.vertices.size(), mesh.faces.size());
   for (FaceIndex f{0}; f < static_cast<int>(mesh.faces.size()); ++f) {
-    if (missing_mm2[at(f)] == kAllThere) continue;
+    if (!missing_mm2[at(f)]) continue;
     std::size_t& part = part_of_root[root_of(mesh.faces[at(f)][0])];
     if (part == mesh.faces.size()) {
       part = parts.size();
@@ -63,10 +63,10 @@ std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<doub
       largest_mm2.push_back(-1.0);
     }
     const geometry::Triangle t = triangle_of(mesh, f);
-    parts[part].area_mm2 += missing_mm2[at(f)];
+    parts[part].area_mm2 += *missing_mm2[at(f)];
     ++parts[part].faces;
-    if (missing_mm2[at(f)] <= largest_mm2[part]) continue;
-    largest_mm2[part] = missing_mm2[at(f)];
+    if (*missing_mm2[at(f)] <= largest_mm2[part]) continue;
+    largest_mm2[part] = *missing_mm2[at(f)];
     parts[part].where_mm = (t[0] + t[1] + t[2]) / 3.0;
   }
   return parts;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "triskin/geometry/triangle.hpp"
@@ -26,10 +27,10 @@ class Triangles {
 
 /// Groups the marked faces that share a vertex into parts. Cost: O(n).
 [[nodiscard]] std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<bool>& is_dropped);
-/// Stands for a face that is all there; one that is missing can have an area of 0.
-inline constexpr double kAllThere = -1.0;
-/// As above for faces of which a share may be missing, as an area or kAllThere.
-[[nodiscard]] std::vector<DroppedPart> parts_of_faces(const Mesh& mesh, const std::vector<double>& missing_mm2);
+/// As above for faces of which a share may be missing; none of a face that is all there, while one that is missing can
+/// have an area of 0.
+[[nodiscard]] std::vector<DroppedPart> parts_of_faces(const Mesh& mesh,
+                                                      const std::vector<std::optional<double>>& missing_mm2);
 
 /// Appends to `dropped` the faces of `before` that are not in `after`, as parts. Cost: O(n log n).
 void name_dropped(const Mesh& before, const Mesh& after, std::vector<DroppedPart>& dropped);

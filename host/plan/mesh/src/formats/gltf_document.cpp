@@ -106,6 +106,9 @@ GltfDocument::GltfDocument(const MeshSource& source) : source_(source) {
                                   ? (*asset)["version"].get<std::string>()
                                   : std::string("unknown");
   if (!version.starts_with("2.")) fail(fmt::format("it is glTF {}, not 2", version.substr(0, 20)));
+  if (const auto least = asset->find("minVersion"); least != asset->end() && *least != "2.0")
+    fail(fmt::format("it needs a reader of glTF {}, and this one reads 2.0",
+                     least->is_string() ? least->get<std::string>().substr(0, 20) : std::string("unknown")));
   require_known_extensions();
   const std::size_t n = json_.contains("buffers") && json_["buffers"].is_array() ? json_["buffers"].size() : 0;
   buffers_.resize(n);

@@ -64,7 +64,7 @@ using SlicerVolumes = std::map<std::string, std::vector<SlicerVolume>>;  // by o
 
 // Slicers keep bodies in a project that are no part of the print: ranges of other settings, cuts, supports.
 std::string role_of(std::string_view type) {
-  const std::string lower = lower_case(type);
+  std::string lower = lower_case(type);
   if (lower.empty() || lower == "modelpart" || lower == "normal_part") return {};
   if (lower.starts_with("negative")) return "negative volume";
   if (lower.starts_with("modifier") || lower == "parametermodifier") return "modifier";
@@ -266,8 +266,13 @@ class ThreeMf {
         if (tag.name == "object") object = tag.attribute("id");
         if (tag.name == "volume" || tag.name == "part") {
           volume = &slicer_volumes_[object].emplace_back();
-          volume->first_face = static_cast<std::size_t>(whole_number(tag.attribute("firstid")).value_or(0));
-          volume->last_face = static_cast<std::size_t>(whole_number(tag.attribute("lastid")).value_or(-1));
+          if (tag.name == "volume") {
+            const auto first = whole_number(tag.attribute("firstid")), last = whole_number(tag.attribute("lastid"));
+            if (!first || !last || *first < 0 || *last < *first)
+              fail(fmt::format("{} does not say which triangles its volumes have (firstid, lastid)", part));
+            volume->first_face = static_cast<std::size_t>(*first);
+            volume->last_face = static_cast<std::size_t>(*last);
+          }
           if (tag.name == "part") volume->component = tag.attribute("id");
           volume->role = role_of(tag.attribute("subtype"));
         }

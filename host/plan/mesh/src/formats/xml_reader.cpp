@@ -12,6 +12,7 @@
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/lower_case.hpp"
+#include "triskin/base/xml_depth.hpp"
 
 namespace triskin::mesh {
 namespace {
@@ -112,8 +113,9 @@ class Parse {
   }
   void start(const char* full, const char** list) {
     guarded([&] {
-      if (++depth_ > kMaxDepth)
-        throw InputError(fmt::format("{}, line {}: its XML is nested too deeply", name_, line()));
+      if (++depth_ > kMaxXmlDepth)
+        throw InputError(fmt::format("{}, line {}: its XML is nested more than {} deep; repair or export it again",
+                                     name_, line(), kMaxXmlDepth));
       if (!handler_.start) return;
       XmlTag tag;
       std::tie(tag.space, tag.name) = split(full);
@@ -140,7 +142,6 @@ class Parse {
     });
   }
 
-  static constexpr int kMaxDepth = 500;
   const std::string& name_;
   const XmlHandler& handler_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_;

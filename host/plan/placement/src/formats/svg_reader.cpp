@@ -13,7 +13,9 @@
 #include <sstream>
 
 #include "outline.hpp"
+#include "svg_style.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/xml_depth.hpp"
 
 namespace triskin::placement {
 namespace {
@@ -66,20 +68,17 @@ class Numbers {
   std::string_view text_;
 };
 
-std::string local_name(const std::string& name) {
-  return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
-}
-
 class SvgReader {
  public:
   SvgReader(const std::string& text, const std::string& name, std::optional<double> unit_mm)
       : name_(name), outline_(name), unit_mm_(unit_mm) {
-    if (text.find("<?xml-stylesheet") != std::string::npos) fail("?xml-stylesheet", kOtherFile);
+    if (text.find("<?xml-stylesheet") != std::string::npos) fail("?xml-stylesheet", kSheetInOtherFile);
     if (text.find("<!ENTITY") != std::string::npos)
       throw InputError(
           name_ +
           ": is an SVG with entities (<!ENTITY …>), which are not read; save it as plain SVG (Illustrator: "
           "without \"Preserve Illustrator Editing Capabilities\")");
+    require_shallow_xml(text, name_);
     std::istringstream in(text);
     try {
       boost::property_tree::read_xml(in, document_);
@@ -89,8 +88,8 @@ class SvgReader {
   }
 
   Drawing read() {
-    collect(document_);
-    write_inline(document_);
+    apply_style_sheets(document_, name_);
+    collect_clips(document_);
     for (const auto& [tag, element] : document_) {
       if (local_name(tag) != "svg") continue;
       page_ = to_mm(element);
@@ -101,210 +100,37 @@ class SvgReader {
       takes_unset_strokes_ = true;  // Some programs write outlines without a stroke.
       children(element, page_, paint_of(element, {}), 0);
     }
-    return {outline_.polygon(),
-            is_in_pixels_
-                ? "its lengths are pixels, taken as 96 an inch; for another scale (Illustrator means 72) give "
-                  "the drawing a width and height in mm, or --unit"
-                : ""};
+    return {outline_.polygon(), remark()};
   }
 
  private:
-  static constexpr const char* kOtherFile =
-      "the style sheet is in another file, which is not read; save the drawing with inline styles, or as plain SVG";
-
-  [[noreturn]] void fail(const std::string& where, const std::string& what) const {
-    throw InputError(fmt::format("{}: <{}>: {}", name_, where, what));
+  [[nodiscard]] const char* remark() const {
+    if (has_size_)
+      return "it has a width but no viewBox, so its numbers are pixels of 1/96 inch (SVG 2, 8.2); if they are "
+             "millimetres, give --unit mm";
+    if (is_in_pixels_)
+      return "its lengths are pixels, taken as 96 an inch; for another scale (Illustrator means 72) give "
+             "the drawing a width and height in mm, or --unit";
+    return "";
   }
 
-  static std::string attribute(const ptree& element, const char* name) {
-    return element.get<std::string>(ptree::path_type(std::string("<xmlattr>|") + name, '|'), "");
-  }
+  [[noreturn]] void fail(const std::string& where, const std::string& what) const { fail_svg(name_, where, what); }
 
-  // The value of a property: one in the style counts before the attribute (SVG 2, 6.6).
-  static std::string property(const ptree& element, const char* name) {
-    const std::string style = attribute(element, "style");
-    std::string value = attribute(element, name);
-    for (std::string_view rest = style; !rest.empty();) {
-      const std::size_t end = rest.find(';');
-      const auto [key, given] = declaration(rest.substr(0, end));
-      if (key == name) value = given;
-      rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
-    }
-    return value;
-  }
-  static std::string_view trimmed(std::string_view s) {
-    const std::size_t from = s.find_first_not_of(" \t\r\n");
-    return from == std::string_view::npos ? std::string_view()
-                                          : s.substr(from, s.find_last_not_of(" \t\r\n") + 1 - from);
-  }
-  // "display: none !important" in two.
-  static std::pair<std::string_view, std::string_view> declaration(std::string_view text) {
-    const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) return {};
-    const std::string_view value = text.substr(colon + 1);
-    return {trimmed(text.substr(0, colon)), trimmed(value.substr(0, value.find('!')))};
-  }
-  static bool is_zero(std::string_view text) {
-    double value = 1.0;
-    (void)std::from_chars(text.data(), text.data() + text.size(), value);
-    return value == 0.0;
-  }
-
-  // Style sheets and clip paths may stand anywhere.
-  void collect(const ptree& parent) {
+  // They may stand anywhere.
+  void collect_clips(const ptree& parent) {
     for (const auto& [tag, element] : parent) {
-      const std::string name = local_name(tag);
-      if (name == "style") {
-        std::string sheet = element.data();
-        for (const auto& [inner, comment] : element)
-          if (inner == "<xmlcomment>") sheet += comment.data();
-        if (attribute(element, "media") != "print") read_sheet(std::move(sheet));
-      }
-      if (name == "link" && attribute(element, "rel") == "stylesheet") fail("link", kOtherFile);
-      if (name == "clipPath") clips_["url(#" + attribute(element, "id") + ")"] = &element;
-      if (tag != "<xmlattr>") collect(element);
+      if (local_name(tag) == "clipPath") clips_["url(#" + attribute(element, "id") + ")"] = &element;
+      if (tag != "<xmlattr>") collect_clips(element);
     }
-  }
-
-  // What decides whether a shape belongs to the outline.
-  static bool is_paint(std::string_view key) {
-    constexpr std::array<std::string_view, 7> kPaint{"fill",    "stroke",  "fill-opacity", "stroke-opacity",
-                                                     "opacity", "display", "visibility"};
-    return std::ranges::find(kPaint, key) != kPaint.end();
-  }
-  // What moves, cuts or shapes it.
-  static bool is_shape(std::string_view key) {
-    constexpr std::array<std::string_view, 15> kShape{"transform", "translate", "rotate", "scale", "clip-path",
-                                                      "mask",      "d",         "x",      "y",     "cx",
-                                                      "cy",        "r",         "rx",     "ry",    "points"};
-    return std::ranges::find(kShape, key) != kShape.end();
-  }
-  using Declarations = std::vector<std::pair<std::string, std::string>>;
-  // Those of the keys above; ones that shape are refused.
-  [[nodiscard]] Declarations declarations_of(std::string_view block) const {
-    Declarations list;
-    while (!block.empty()) {
-      const std::size_t end = std::min(block.find(';'), block.size());
-      const auto [key, value] = declaration(block.substr(0, end));
-      if ((is_shape(key) && value != "none") || (is_paint(key) && value.starts_with("var(")))
-        fail("style", fmt::format("the style sheet sets \"{}: {}\", which is not read; save the drawing with inline "
-                                  "styles (Illustrator: Styling \"Inline Style\")",
-                                  key, value.substr(0, 30)));
-      if (is_paint(key)) list.emplace_back(key, block.substr(0, end));
-      block.remove_prefix(std::min(end + 1, block.size()));
-    }
-    return list;
-  }
-
-  // A rule of the sheet for one simple selector (Selectors 3, 5 … 6.4): a name of elements, classes and an id.
-  struct Rule {
-    std::string element, id;
-    std::vector<std::string> classes;
-    Declarations declarations;
-    [[nodiscard]] std::array<std::size_t, 3> specificity() const {
-      return {id.empty() ? 0U : 1U, classes.size(), element.empty() ? 0U : 1U};
-    }
-  };
-  [[nodiscard]] Rule rule_of(std::string_view selector, const Declarations& declarations) const {
-    Rule rule{{}, {}, {}, declarations};
-    for (std::string_view rest = selector; !rest.empty();) {
-      const char mark = rest.front();
-      const bool is_marked = mark == '.' || mark == '#';
-      const std::size_t end = std::min(rest.find_first_of(".#", is_marked ? 1 : 0), rest.size());
-      std::string name(rest.substr(is_marked ? 1 : 0, end - (is_marked ? 1 : 0)));
-      if (name.empty() || name.find_first_of(" \t\r\n>+~:[\\") != std::string::npos)
-        fail("style", fmt::format("the style sheet has the selector \"{}\", which is not read; save the drawing with "
-                                  "inline styles (Illustrator: Styling \"Inline Style\")",
-                                  selector.substr(0, 40)));
-      if (mark == '.')
-        rule.classes.push_back(std::move(name));
-      else if (mark == '#')
-        rule.id = std::move(name);
-      else if (name != "*")
-        rule.element = std::move(name);
-      rest.remove_prefix(end);
-    }
-    return rule;
-  }
-
-  void read_sheet(std::string sheet) {
-    for (const auto& [open, close] : {std::pair{"/*", "*/"}, std::pair{"<!--", "-->"}}) {
-      for (std::size_t from = sheet.find(open); from != std::string::npos; from = sheet.find(open)) {
-        const std::size_t end = sheet.find(close, from);
-        sheet.erase(from, end == std::string::npos ? end : end + std::string_view(close).size() - from);
-      }
-    }
-    for (std::string_view rest = trimmed(sheet); !rest.empty(); rest = trimmed(rest)) {
-      if (rest.starts_with("@import")) fail("style", kOtherFile);
-      const std::size_t open = rest.find_first_of(rest.starts_with('@') ? "{;" : "{");
-      if (open == std::string_view::npos) return;
-      if (rest[open] == ';') {  // @charset and @namespace
-        rest.remove_prefix(open + 1);
-        continue;
-      }
-      const std::string_view head = trimmed(rest.substr(0, open));
-      std::size_t end = open + 1;
-      for (int depth = 1; end < rest.size(); ++end) {
-        depth += rest[end] == '{' ? 1 : rest[end] == '}' ? -1 : 0;
-        if (depth == 0) break;
-      }
-      take_block(head, rest.substr(open + 1, end - open - 1));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-  }
-  void take_block(std::string_view head, std::string_view block) {
-    if (head.starts_with("@media print") || head.starts_with("@font-face") || head.starts_with("@page")) return;
-    if (head.starts_with('@')) {  // Rules that hold under a condition.
-      const std::string_view inner = block.substr(std::min(block.find('{') + 1, block.size()));
-      if (!declarations_of(inner.substr(0, inner.find('}'))).empty())
-        fail("style", fmt::format("the style sheet paints under the condition \"{}\", which is not read; save the "
-                                  "drawing with inline styles",
-                                  head.substr(0, 40)));
-      return;
-    }
-    const Declarations declarations = declarations_of(block);
-    if (declarations.empty()) return;
-    for (std::string_view rest = head;;) {
-      const std::size_t comma = rest.find(',');
-      rules_.push_back(rule_of(trimmed(rest.substr(0, comma)), declarations));
-      if (comma == std::string_view::npos) return;
-      rest.remove_prefix(comma + 1);
-    }
-  }
-
-  // Writes what the sheet says before the style of each element, which counts more; what is marked as important behind
-  // it (CSS Cascading 3, 6).
-  void write_inline(ptree& parent) const {
-    for (auto& [tag, element] : parent) {
-      if (tag == "<xmlattr>" || tag == "<xmlcomment>") continue;
-      std::vector<const Rule*> matching;
-      for (const Rule& rule : rules_)
-        if (matches(rule, local_name(tag), element)) matching.push_back(&rule);
-      std::ranges::stable_sort(matching, {}, &Rule::specificity);
-      if (!matching.empty()) {
-        std::string before, behind;
-        for (const Rule* rule : matching)
-          for (const auto& [key, text] : rule->declarations)
-            (text.find("!important") == std::string::npos ? before : behind) += text + ";";
-        element.put(ptree::path_type("<xmlattr>|style", '|'), before + attribute(element, "style") + ";" + behind);
-      }
-      write_inline(element);
-    }
-  }
-  static bool matches(const Rule& rule, const std::string& name, const ptree& element) {
-    const std::string classes = " " + attribute(element, "class") + " ";
-    return (rule.element.empty() || rule.element == name) && (rule.id.empty() || rule.id == attribute(element, "id")) &&
-           std::ranges::all_of(rule.classes,
-                               [&](const std::string& c) { return classes.find(" " + c + " ") != std::string::npos; });
   }
 
   void refuse_cut(const std::string& where, const ptree& element, const Eigen::Affine2d& place) const {
-    for (const char* key : {"transform", "translate", "rotate", "scale"}) {
-      // The attribute "transform" is read, and "rotate" belongs to texts.
+    for (const char* key : {"transform", "translate", "rotate", "scale", "d"}) {
+      // The attributes "transform" and "d" are read, and "rotate" belongs to texts.
       const std::string value = property(element, key);
       if (!value.empty() && value != "none" && value != attribute(element, key))
-        fail(where, fmt::format("its style sets \"{}: {}\", which is not read; write it as the attribute transform",
-                                key, value.substr(0, 30)));
+        fail(where, fmt::format("its style sets \"{}: {}\", which is not read; write it as the attribute {}", key,
+                                value.substr(0, 30), key == std::string_view("d") ? "d" : "transform"));
     }
     for (const char* key : {"clip-path", "mask"}) {
       const std::string value = property(element, key);
@@ -334,36 +160,6 @@ class SvgReader {
            top + number(rect->second, "height", "rect", {}) >= *y + *h;
   }
 
-  // What paints a shape, as groups hand it down (SVG 2, 13): fill, stroke, the opacity of each, and visibility.
-  using Paint = std::array<std::string, 5>;
-  static Paint paint_of(const ptree& element, Paint paint) {
-    constexpr std::array<const char*, 5> kNames{"fill", "stroke", "fill-opacity", "stroke-opacity", "visibility"};
-    for (std::size_t k = 0; k < paint.size(); ++k) {
-      const std::string own = property(element, kNames[k]);
-      if (!own.empty() && own != "inherit") paint[k] = own;
-    }
-    return paint;
-  }
-  // A fill that nobody set is black, and a stroke is none.
-  [[nodiscard]] bool is_painted(const Paint& paint) const {
-    const auto is_off = [&](std::size_t k) {
-      return paint[k] == "none" || has_no_alpha(paint[k]) || is_zero(paint[k + 2]);
-    };
-    return !is_off(0) || ((takes_unset_strokes_ || !paint[1].empty()) && !is_off(1));
-  }
-  static bool is_visible(const Paint& paint) { return paint[4] != "hidden" && paint[4] != "collapse"; }
-  // transparent, #rgb0, #rrggbb00, rgba(…, 0) and hsla(…, 0), rgb(… / 0%) (CSS Color 4).
-  static bool has_no_alpha(const std::string& color) {
-    if (color == "transparent") return true;
-    if (color.starts_with('#'))
-      return (color.size() == 5 || color.size() == 9) && color.ends_with(color.size() == 5 ? "0" : "00");
-    const std::size_t open = color.find('('), alpha = color.find_last_of(",/");
-    if (open == std::string::npos || alpha == std::string::npos) return false;
-    const bool has_alpha = color[alpha] == '/' || std::ranges::count(color, ',') == 3;
-    return has_alpha &&
-           is_zero(std::string_view(color).substr(std::min(color.find_first_not_of(' ', alpha + 1), color.size())));
-  }
-
   // A length in mm; nothing for one in per cent or without a number.
   [[nodiscard]] std::optional<double> length_mm(const std::string& text) const {
     double value = 0.0;
@@ -385,9 +181,16 @@ class SvgReader {
     return length.ends_with("px") || (!length.empty() && std::isdigit(static_cast<unsigned char>(length.back())) != 0);
   }
 
+  // The width or height of the drawing. Pages give its style a share of the page, which is no size of the drawing.
+  [[nodiscard]] std::string extent(const ptree& svg, const char* key) const {
+    const std::string styled = property(svg, key);
+    return length_mm(styled) ? styled : attribute(svg, key);
+  }
+
   // User units to mm, y up: the drawing's height falls to y = 0.
   [[nodiscard]] Eigen::Affine2d to_mm(const ptree& svg) {
-    const auto width = length_mm(attribute(svg, "width")), height = length_mm(attribute(svg, "height"));
+    const std::string wide = extent(svg, "width"), high = extent(svg, "height");
+    const auto width = length_mm(wide), height = length_mm(high);
     Eigen::Affine2d place = Eigen::Affine2d::Identity();
     const std::string view_box = attribute(svg, "viewBox");
     Numbers box(view_box);
@@ -401,7 +204,7 @@ class SvgReader {
         fail("svg",
              "does not say how large it is; give it width and height in mm, width=\"150mm\" say, beside its "
              "viewBox; or pass --unit");
-      is_in_pixels_ = is_pixels(attribute(svg, width ? "width" : "height"));
+      is_in_pixels_ = is_pixels(width ? wide : high);
       const double across = width ? *width / *w : *height / *h, up = height ? *height / *h : across;
       const std::string fit = attribute(svg, "preserveAspectRatio");
       if (fit.find("slice") != std::string::npos && std::abs(across - up) > 1e-9 * across)
@@ -416,6 +219,7 @@ class SvgReader {
       place.translate(Vec2(-*x, -*y - *h));
     } else {
       is_in_pixels_ = true;
+      has_size_ = width && !is_pixels(wide);
       place.scale(Vec2(kPx_mm, -kPx_mm));
       if (height) place.translate(Vec2(0.0, -*height / kPx_mm));
     }
@@ -468,10 +272,6 @@ class SvgReader {
     return all;
   }
 
-  static bool is_displayed(const ptree& element) {
-    return !is_zero(property(element, "opacity")) && property(element, "display") != "none";
-  }
-
   void children(const ptree& parent, const Eigen::Affine2d& place, const Paint& inherited, int depth) {
     if (depth > kMaxDepth) fail("g", "groups are nested too deeply");
     for (const auto& [tag, element] : parent) {
@@ -485,7 +285,7 @@ class SvgReader {
       if (!is_group && !is_round && !is_straight && name != "path" && name != "rect") continue;
       const Paint paint = paint_of(element, inherited);
       if (!is_group && !is_visible(paint)) continue;
-      if (!is_group && !is_painted(paint)) {
+      if (!is_group && !is_painted(paint, takes_unset_strokes_)) {
         ++unpainted_;
         continue;
       }
@@ -502,8 +302,8 @@ class SvgReader {
 
   [[nodiscard]] double number(const ptree& element, const char* key, const std::string& where,
                               std::optional<double> fallback = 0.0) const {
-    const std::string text = attribute(element, key);
-    if (text.empty() && fallback) return *fallback;
+    const std::string text = is_length(key) ? property(element, key) : attribute(element, key);
+    if ((text.empty() || text == "auto") && fallback) return *fallback;
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const std::string unit(end, text.data() + text.size());
@@ -670,9 +470,8 @@ class SvgReader {
   Eigen::Affine2d page_ = Eigen::Affine2d::Identity();
   std::string view_box_;
   std::map<std::string, const ptree*> clips_;  // by the reference to them: url(#id)
-  std::vector<Rule> rules_;
   std::optional<double> unit_mm_;
-  bool is_in_pixels_ = false;
+  bool is_in_pixels_ = false, has_size_ = false;
   int shapes_ = 0, unpainted_ = 0;
   bool takes_unset_strokes_ = false;
 };

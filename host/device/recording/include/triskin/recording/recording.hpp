@@ -43,8 +43,10 @@ struct Summary {
   /// The text is that of what the controllers said of the rest; if it is empty, they said nothing.
   std::string settled_text;
   std::vector<ReaderChange> reader_changes;  ///< in the order of the file
-  std::uint64_t samples = 0;                 ///< Every sample of a module counts.
-  std::uint64_t first_us = 0, last_us = 0;   ///< These are the link's times at the first and the last sample.
+  /// Channels that look like samples of a skin but cannot be read, each with the reason.
+  std::vector<std::string> not_understood;
+  std::uint64_t samples = 0;                ///< Every sample of a module counts.
+  std::uint64_t first_us = 0, last_us = 0;  ///< These are the link's times at the first and the last sample.
   mcap::ReadReport file;
 };
 

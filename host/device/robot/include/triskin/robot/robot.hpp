@@ -90,7 +90,8 @@ struct Robot {
 [[nodiscard]] Eigen::Isometry3d pose_of(const std::array<double, 6>& xyz_rpy);
 /// Returns the index of a controller's bus in `robot.buses`; −1 if none has that name.
 [[nodiscard]] int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& controller);
-/// Returns true for a valid name of a robot, bus or cover: 1 … 64 letters, digits, "_", "-"; a letter first.
+/// Returns true for a valid name of a robot, bus or cover: UTF-8 of 1 … 64 bytes, letters of any script, digits, "_",
+/// "-"; a letter first. Where a format takes ASCII alone, ascii_name() spells it.
 [[nodiscard]] bool is_name(const std::string& text);
 /// Returns true for a frame that tf2 takes: a name without a leading slash and without blanks.
 [[nodiscard]] bool is_frame_name(const std::string& text);
