@@ -127,6 +127,8 @@ void check_modules(const CheckedDesign& design, Findings& findings);  ///< Cover
 void check_surface(const CheckedDesign& design, Findings& findings);
 /// Finds modules on the inner side of a wall, or back to back with another.
 void check_side(const CheckedDesign& design, Findings& findings);
+/// Finds the joints that are too sharp for the board of a module.
+[[nodiscard]] std::vector<SharpJoint> sharp_joints_of(const CheckedDesign& design);
 void check_pieces(const CheckedDesign& design, Findings& findings);   ///< Covers nets and placements on the plane.
 void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< Covers joints between islands.
 /// Covers members, trees and addresses of all patches, and the stated bound of their number.

@@ -202,6 +202,7 @@ DesignReport check_design_text(const std::string& text, const std::string& name)
   check_patches(design, findings);
   if (!design.kinds.empty()) check_kinds(design, findings);
   check_report(design, findings);
+  report.sharp_joints = sharp_joints_of(design);
   return report;
 }
 

@@ -5,6 +5,7 @@
 
 #include "bus_report.hpp"
 #include "command.hpp"
+#include "sharp_joints_text.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/text_file.hpp"
 #include "triskin/check/design_rules.hpp"
@@ -51,6 +52,7 @@ int run(const std::string& path, Output& output) {
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", report_violations(report.violations, output)}};
+  report_sharp_joints(report, output);
   if (report.corner_cut_mm > 0.0) {
     output.result["corner_cut_mm"] = report.corner_cut_mm;
     output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));

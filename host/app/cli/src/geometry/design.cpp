@@ -20,6 +20,7 @@
 #include "part_text.hpp"
 #include "read_text.hpp"
 #include "repair_text.hpp"
+#include "sharp_joints_text.hpp"
 #include "side_option.hpp"
 #include "triskin/base/counted.hpp"
 #include "triskin/base/error.hpp"
@@ -269,6 +270,7 @@ int run(Options options, Output& output) {
                                  output.progress());
   output.result = keys_of(d, notes);
   if (check) report_check(*check, output);
+  if (check) report_sharp_joints(check->report, output);
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   const int part_status = report_part(notes.read, output);
@@ -295,7 +297,7 @@ void add_limits(CLI::App& app, design::LayoutLimits& l) {
   app.add_option("--center-gap-mm", l.center_gap_mm, "limit under a module's centre")
       ->check(CLI::Range(0.01, 20.0))
       ->capture_default_str();
-  app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint")
+  app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint; boards bend by 0.87 (docs/fabrication.md)")
       ->check(CLI::Range(0.01, 3.0))
       ->capture_default_str();
   app.add_option("--fold-away-rad", l.fold_away_rad, "limit at a joint over a ridge (none: as --fold-rad)")

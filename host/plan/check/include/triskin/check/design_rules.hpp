@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -15,6 +16,13 @@ struct Violation {
   std::string text;   ///< The text compares the measured number with the limit.
 };
 
+/// A joint that is bent more than the board of a module can be (docs/fabrication.md).
+struct SharpJoint {
+  std::array<int, 2> module{};  ///< numbers, the lower one first
+  double bend_rad = 0.0, limit_rad = 0.0;
+  bool has_cable = false;  ///< The entry's cable is soldered there, which leaves less room for the bend.
+};
+
 /// The design keeps all rules when `violations` is empty.
 struct DesignReport {
   /// A design without modules cannot break a rule, so a caller should look at this number too.
@@ -23,6 +31,9 @@ struct DesignReport {
   std::vector<Violation> violations;
   /// Each limit that the file states and that was checked has its name and value.
   std::vector<std::pair<std::string, double>> limits;
+  /// No rule is broken by these, because a skin may be made of other modules; but `fabricate` has no boards for them.
+  /// The one farthest beyond its limit comes first.
+  std::vector<SharpJoint> sharp_joints;
   double corner_cut_mm = 0.0;  ///< The modules measured had this corner cut; 0 means whole triangles.
 };
 

@@ -32,6 +32,10 @@ enum class SearchMethod : std::uint8_t {
   kLattice,  ///< A layout is grown on the surface, and no pieces are placed.
 };
 
+/// Joints of a new design fold by at most 49.8° by default, because the board of a module can be bent by 50°
+/// (docs/fabrication.md); design::LayoutLimits allows the 60° of the installed iCub skin.
+inline constexpr double kBoardFold_rad = 0.87;
+
 /// make_design() throws InputError for a value out of range.
 struct DesignOptions {
   std::optional<mesh::LengthUnit> unit;  ///< Without it the mesh file's own unit applies, or mm.
@@ -40,11 +44,11 @@ struct DesignOptions {
   bool flip = false;                     ///< True turns all faces over, which takes the other side of an open part.
   RepairMode repair = RepairMode::kAuto;
   SearchMethod method = SearchMethod::kAuto;
-  mesh::SideOptions side;       ///< Selects the side of a part with a wall.
-  double bridge_mm = 0.0;       ///< Holes up to this diameter are closed; 0 closes none.
-  double time_limit_s = 20.0;   ///< All steps share this time (TimeBudget); the growth gets what the others leave.
-  std::uint64_t seed = 1;       ///< All random choices depend on this number.
-  design::LayoutLimits limits;  ///< Each must be positive.
+  mesh::SideOptions side;      ///< Selects the side of a part with a wall.
+  double bridge_mm = 0.0;      ///< Holes up to this diameter are closed; 0 closes none.
+  double time_limit_s = 20.0;  ///< All steps share this time (TimeBudget); the growth gets what the others leave.
+  std::uint64_t seed = 1;      ///< All random choices depend on this number.
+  design::LayoutLimits limits{.fold_rad = kBoardFold_rad};  ///< Each must be positive.
   /// If positive, no module is bent to a smaller radius: pieces are separated from surface that bends more
   /// (bend_seams.hpp), and depth and lift of modules are limited to the sagitta of a side, 112.5 mm² / radius. Zero
   /// disables this.
