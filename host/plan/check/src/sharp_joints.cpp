@@ -2,6 +2,7 @@
 // The bend of a joint on the board of a module, from the numbers of docs/fabrication.md and the taxels of the file.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "checked_design.hpp"
 
