@@ -17,8 +17,9 @@ namespace triskin::fw {
 /// comparison with codes in between finds what the bits of the first happened to hide.
 class DuplicateCheck {
  public:
-  /// From this mean residual on two chips are suspected. Of 4,000 chips drawn from the ranges of docs/silicon.md one
-  /// reaches 28; two whose taxels differ by up to 100 fF leave at least 477 (tests/firmware).
+  /// Above this mean residual two chips are suspected. Of 4,000 chips drawn evenly from the ranges of docs/silicon.md
+  /// one reaches 28; with every property at an end of its range up to 43, and 2 of 100,000 such chips are suspected.
+  /// Two whose taxels differ by up to 100 fF leave at least 477 (tests/firmware).
   static constexpr float kMaxResidual_counts = 40.0F;
   /// One chip is off by at most 18,600 (docs/silicon.md). A larger deficit is a second chip, also where one of the
   /// results is at an end of the range.
