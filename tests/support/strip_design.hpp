@@ -40,12 +40,14 @@ inline design::Design strip(int count, int per_patch = 16) {
   return d;
 }
 
-/// Gives the modules numbers as after the removal of others: 0 … 4, 12 … 36 (ids 5 … 29), 50 … (ids from 30).
+/// Gives modules and controllers numbers as after the removal of others: modules 0 … 4, 12 … 36 (ids 5 … 29), 50 … (ids
+/// from 30), controllers 0, 2, 3 ….
 inline design::Design with_gaps(design::Design d) {
   std::vector<int> numbers;
   for (int id = 0; id < static_cast<int>(d.layout.modules.size()); ++id)
     numbers.push_back(id < 5 ? id : id < 30 ? id + 7 : id + 20);
   design::set_numbers(d.layout, std::move(numbers));
+  if (d.patches.size() > 1) d.patches.insert(d.patches.begin() + 1, design::Patch{});
   d.design_id = design::design_id_of(d);
   return d;
 }

@@ -2,6 +2,7 @@
 // Reads one module, and its controller, in all outputs of a design and of a robot, and compares what they say.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -175,7 +176,8 @@ TEST_P(OneName, of_a_module_and_a_controller_of_a_robot) {
   ASSERT_EQ(run("robot add robot.json strip.json --name forearm --bus left").status, 0);
   ASSERT_EQ(run("robot add robot.json strip.json --name upperarm --bus left --xyz-mm 0,0,300").status, 0);
   const json file = json::parse(read_file(folder_ / "robot.json"));
-  const int node = file["covers"][1]["controllers"][patch_]["node"];
+  const json& controllers = file["covers"][1]["controllers"];
+  const int node = std::ranges::find(controllers, json(patch_), [](const json& c) { return c["patch"]; })->at("node");
   const int joint = kModules + kId;  // what nobody may read
   EXPECT_NE(node, patch_ + 1);
   write("scene.json", {{"format", "triskin-scene"},
@@ -244,6 +246,20 @@ TEST_P(OneName, of_a_module_and_a_controller_of_a_robot) {
   const Outcome sheets = run("export robot.json -o sheet.pdf");
   if (sheets.messages.find("without its assembly sheet") != std::string::npos) return;
   EXPECT_EQ(sheets.out, "sheet.forearm.pdf\nsheet.upperarm.pdf\n") << sheets.messages;
+}
+
+// A number that no controller has belongs to no board, patch or place of a cable.
+TEST_P(OneName, of_controllers_with_a_free_number) {
+  for (const std::string hardware : {"", " --switched"}) {
+    const std::string link = "strip.json --link sim" + hardware + " --json";
+    EXPECT_EQ(json::parse(run("flash " + link).out)["controllers"], 3) << hardware;
+    const Outcome verified = run("verify " + link + " --touch");
+    EXPECT_EQ(verified.status, 0) << verified.out;
+    EXPECT_EQ(json::parse(verified.out)["modules"], kModules);
+  }
+  const Outcome one = run("flash strip.json --link sim --patch 1");
+  EXPECT_EQ(one.status, GetParam() ? 2 : 0);
+  EXPECT_EQ(one.messages.find("--patch 1: the design has patches 0,2-3") != std::string::npos, GetParam());
 }
 
 // A box has modules on all of its sides, so one view does not show all of them; a strip is seen from one side.

@@ -33,7 +33,10 @@ class FlashedSim {
                           R"(,"taxel":3,"force_n":1,"radius_mm":3}],"converters":{"gain":1},"faults":)" + faults + "}");
     const auto link = connect::open_link({.link = "sim", .scene = "", .own_interrupts = false}, &design_);
     session::Bus bus(*link);
-    (void)deploy::flash(bus, design_);
+    deploy::FlashOptions options;
+    options.recognise = true;
+    options.actuator = link::touch_actuator_of(*link);
+    (void)deploy::flash(bus, design_, options);
   }
   ~FlashedSim() { std::filesystem::remove_all(folder_); }
   FlashedSim(const FlashedSim&) = delete;

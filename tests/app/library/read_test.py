@@ -37,7 +37,7 @@ def contents(skin):
     corners = np.array([m["corners"] for m in d["modules"]])
     inside = np.abs(skin.positions_mm.mean(axis=1) - corners.mean(axis=1)).max()
     assert inside < 1.5, inside  # the mean of the pads is near the middle of its module
-    assert list(skin.patches) == [0, 0, 0, 0, 1, 1, 1, 1]
+    assert list(skin.patches) == [m["patch"] for m in d["modules"]] == [0, 0, 0, 0, 2, 2, 2, 2]
     # The design has gaps: arrays are indexed from 0, numbers are those of the labels.
     assert list(skin.numbers) == [m["id"] for m in d["modules"]] == [0, 1, 2, 3, 4, 12, 13, 14], skin.numbers
 

@@ -103,7 +103,7 @@ TEST(Flash, a_patch_that_the_design_does_not_have_is_refused) {
   Fixture fixture(12, 4);
   FlashOptions options;
   options.patch = layout::PatchIndex{3};
-  EXPECT_INPUT_ERROR((void)fixture.flash(options), "--patch 3: the design has patches 0 … 2");
+  EXPECT_INPUT_ERROR((void)fixture.flash(options), "--patch 3: the design has patches 0-2");
 }
 
 TEST(Flash, spare_controllers_make_room) {

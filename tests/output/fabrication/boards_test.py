@@ -366,13 +366,12 @@ def joints_on(board, modules):
 
 
 def check_cables(board, design, modules):
-    jumpers = [(k, j) for k, j in enumerate(design.get("jumpers", []))]
     wanted = {f"C{m['patch']}": (m, m["rotation"]) for m in modules if m["parent"] < 0}
     by_id = {m["id"]: m for m in modules}
-    for k, jumper in jumpers:
+    for jumper in design.get("jumpers", []):
         for end, side in zip(jumper["modules"], jumper["sides"]):
             if end in by_id:
-                wanted[f"J{k}_M{end}"] = (by_id[end], side)
+                wanted["J{}-{}_M{}".format(*jumper["modules"], end)] = (by_id[end], side)
     found = {ref for ref, _ in board.places if not ref.startswith("M")}
     expect(found == set(wanted), f"cables {sorted(found)} of {sorted(wanted)}")
     for ref, (module, side) in wanted.items():

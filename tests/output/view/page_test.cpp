@@ -49,7 +49,7 @@ TEST(ViewModel, has_jumpers_and_cut_corners) {
   d.layout.jumpers.push_back({{0, 1}, {0, 1}, 12.5, 0.0, design::JumperKind::kCable});
   const json model = json::parse(view::model_json(d));
   EXPECT_EQ(model["corner_cut_mm"], 3.5);
-  EXPECT_EQ(model["jumpers"], json::parse(R"([{"modules":[0,1],"sides":[0,1],"length_mm":12.5}])"));
+  EXPECT_EQ(model["jumpers"], json::parse(R"([{"name":"J0-1","modules":[0,1],"sides":[0,1],"length_mm":12.5}])"));
 }
 
 TEST(ViewModel, has_findings_at_their_modules_and_covers_by_name) {

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "support/covers.hpp"
+#include "support/temp_folder.hpp"
 #include "triskin/base/dice.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/check/design_rules.hpp"
 #include "triskin/design/module_number.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -74,7 +76,8 @@ Design next_part(const Design& d, Dice& dice) {
 EditedDesign revised(const Design& d, Dice& dice) {
   RevisedDesign now = revise_design(d, next_part(d, dice), {300.0, 1, 1});
   Revision& revision = now.revision;
-  return {std::move(now.design), std::move(revision.new_id), std::move(revision.added), std::move(revision.new_patch)};
+  return {std::move(now.design), std::move(revision.new_id), std::move(revision.added),
+          std::move(revision.kept_patches)};
 }
 
 // A new module may have taken a side that a jumper needs, or stand across it; then the controller is wired anew.
@@ -94,7 +97,7 @@ bool has_its_jumpers(const Design& before, const design::Patch& patch, const Edi
 }
 
 struct Tally {
-  int changes = 0, kept = 0, gaps = 0, controllers = 0, moved_controllers = 0, without_jumper = 0;
+  int changes = 0, kept = 0, gaps = 0, controllers = 0, free_numbers = 0, jumpers = 0, without_jumper = 0;
 };
 
 // A module that stays has its number; the others have numbers that no module had before. `used` grows by all of them.
@@ -118,10 +121,22 @@ void expect_numbers_hold(const Design& before, const EditedDesign& e, std::set<i
 }
 
 // The bytes that are flashed, without the id of the design, which covers all of its modules.
-std::vector<std::uint8_t> table_of(const Design& d, int patch) {
-  layout::PatchImage image = session::image_of(d, layout::PatchIndex{patch});
+std::vector<std::uint8_t> table_of(const Design& d, layout::PatchIndex patch) {
+  layout::PatchImage image = session::image_of(d, patch);
   image.design_id = 0;
   return session::bytes_of(image);
+}
+
+// The labels at both ends of its jumpers are true.
+void expect_jumper_names_hold(const Design& before, const design::Patch& patch, const Design& now, Tally& tally) {
+  std::set<std::string> names;
+  for (const design::Jumper& j : now.layout.jumpers) names.insert(design::jumper_name(now, j));
+  EXPECT_EQ(names.size(), now.layout.jumpers.size());
+  for (const design::Jumper& j : before.layout.jumpers) {
+    if (std::ranges::none_of(patch.modules, [&](const auto& m) { return m.node == j.node[0]; })) continue;
+    ++tally.jumpers;
+    EXPECT_TRUE(names.contains(design::jumper_name(before, j))) << design::jumper_name(before, j);
+  }
 }
 
 void expect_labels_hold(const Design& before, const EditedDesign& e, std::set<int>& used, Tally& tally) {
@@ -132,8 +147,11 @@ void expect_labels_hold(const Design& before, const EditedDesign& e, std::set<in
     itself[id] = static_cast<int>(id);
     if (e.new_id[id] >= 0) old_id[static_cast<std::size_t>(e.new_id[id])] = static_cast<int>(id);
   }
-  ASSERT_EQ(e.new_patch.size(), before.patches.size());
-  for (std::size_t p = 0; p < before.patches.size(); ++p) {
+  EXPECT_FALSE(e.design.patches.back().is_gap());
+  tally.free_numbers =
+      std::max(tally.free_numbers, static_cast<int>(std::ranges::count_if(e.design.patches, &design::Patch::is_gap)));
+  for (const layout::PatchIndex patch : design::patches_of(before)) {
+    const auto p = static_cast<std::size_t>(patch);
     const auto stays = [&](const design::RoutedModule& m) { return e.new_id[static_cast<std::size_t>(m.node)] >= 0; };
     if (!std::ranges::all_of(before.patches[p].modules, stays)) continue;
     if (!has_its_jumpers(before, before.patches[p], e)) {
@@ -141,17 +159,12 @@ void expect_labels_hold(const Design& before, const EditedDesign& e, std::set<in
       continue;
     }
     ++tally.controllers;
-    ASSERT_GE(e.new_patch[p], 0) << p;
-    EXPECT_EQ(wiring_of_patch(e.design.patches[static_cast<std::size_t>(e.new_patch[p])], old_id),
-              wiring_of_patch(before.patches[p], itself))
-        << p;
-    // Controllers have no gaps: only one above the last number can move.
-    if (p >= e.design.patches.size()) {
-      ++tally.moved_controllers;
-      continue;
-    }
-    EXPECT_EQ(e.new_patch[p], static_cast<int>(p));
-    EXPECT_EQ(table_of(e.design, static_cast<int>(p)), table_of(before, static_cast<int>(p))) << p;
+    EXPECT_TRUE(std::ranges::binary_search(e.kept_patches, patch)) << p;
+    ASSERT_TRUE(design::has_patch(e.design, patch)) << p;
+    EXPECT_EQ(design::node_address_of(e.design, patch), design::node_address_of(before, patch));
+    EXPECT_EQ(wiring_of_patch(e.design.patches[p], old_id), wiring_of_patch(before.patches[p], itself)) << p;
+    EXPECT_EQ(table_of(e.design, patch), table_of(before, patch)) << p;
+    expect_jumper_names_hold(before, before.patches[p], e.design, tally);
   }
 }
 
@@ -180,16 +193,23 @@ TEST_P(Labels, hold_through_random_changes) {
     d = std::move(e.design);
   }
   EXPECT_GT(tally.controllers, kChangesPerCover);
+  EXPECT_GT(tally.free_numbers, 0);
+  const test::TempFolder folder;
+  design::write_design(folder / "changed.json", d);
+  for (const check::Violation& v : check::check_design(folder / "changed.json").violations)
+    ADD_FAILURE() << v.rule << ": " << v.where << ": " << v.text;
   EXPECT_LT(tally.without_jumper, tally.controllers / 10);
   RecordProperty("kept", tally.kept);
   RecordProperty("gaps", tally.gaps);
   RecordProperty("controllers", tally.controllers);
-  RecordProperty("moved_controllers", tally.moved_controllers);
+  RecordProperty("free_numbers", tally.free_numbers);
+  RecordProperty("jumpers", tally.jumpers);
   std::printf(
-      "%d changes, %d kept modules, none renumbered, up to %d gaps, %d untouched controllers, %d of them above the "
-      "last "
-      "number and moved, %d lost a jumper to a new module\n",
-      tally.changes, tally.kept, tally.gaps, tally.controllers, tally.moved_controllers, tally.without_jumper);
+      "%d changes, %d kept modules, none renumbered, up to %d gaps; %d untouched controllers, none renumbered, up to "
+      "%d "
+      "free numbers, with %d jumpers; %d controllers lost a jumper to a new module\n",
+      tally.changes, tally.kept, tally.gaps, tally.controllers, tally.free_numbers, tally.jumpers,
+      tally.without_jumper);
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, Labels,
                          testing::Values(test::CoverName{"forearm"}, test::CoverName{"torso"}, test::CoverName{"hip"},

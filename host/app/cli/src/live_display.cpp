@@ -147,12 +147,14 @@ class Screen final : public LiveDisplay {
 
  private:
   Wish take(char key) {
-    const int patches = static_cast<int>(design_.patches.size());
     if (key == 'q') return Wish::kEnd;
     if (key == 't') return Wish::kTare;
-    if (key == 'n') patch_ = layout::PatchIndex{(patch_ + 1) % patches};
-    if (key == 'p') patch_ = layout::PatchIndex{(patch_ + patches - 1) % patches};
-    if (key == 'n' || key == 'p') has_chosen_ = true;
+    if (key == 'n' || key == 'p') {
+      const std::vector<layout::PatchIndex> patches = design::patches_of(design_);
+      const auto at = static_cast<std::size_t>(std::ranges::find(patches, patch_) - patches.begin());
+      patch_ = patches[(at + (key == 'n' ? 1 : patches.size() - 1)) % patches.size()];
+      has_chosen_ = true;
+    }
     if (key == 'f') has_chosen_ = false;
     if (key == 'h') trace_.toggle_hold();
     if (key == 'u') ++unit_turns_;
@@ -223,16 +225,11 @@ class Screen final : public LiveDisplay {
   // All patches where there is room, else the chosen one and those that are pressed or at fault before the others.
   // Arranges the patches in as many columns as the width permits and in `rows` lines at most.
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
-    std::vector<std::string> all;
+    std::vector<layout::PatchIndex> shown = design::patches_of(design_);
     std::size_t wide = 0;
-    for (layout::PatchIndex p; p < static_cast<int>(design_.patches.size()); ++p) {
-      all.push_back(line_of(monitor, p));
-      wide = std::max(wide, all.back().size() + 3);
-    }
+    for (const layout::PatchIndex p : shown) wide = std::max(wide, line_of(monitor, p).size() + 3);
     const int beside = std::max(1, columns / static_cast<int>(wide)), room = rows * beside;
-    const int patches = static_cast<int>(design_.patches.size());
-    std::vector<layout::PatchIndex> shown(static_cast<std::size_t>(patches));
-    std::iota(shown.begin(), shown.end(), layout::PatchIndex{});
+    const int patches = static_cast<int>(shown.size());
     if (patches > room) {
       const std::set<layout::PatchIndex> pressed = pressed_patches(monitor);
       std::ranges::stable_sort(shown, {}, [&](layout::PatchIndex p) {
@@ -242,7 +239,7 @@ class Screen final : public LiveDisplay {
       std::ranges::sort(shown);
     }
     std::vector<std::string> texts;
-    for (const int p : shown) texts.push_back(all[static_cast<std::size_t>(p)]);
+    for (const layout::PatchIndex p : shown) texts.push_back(line_of(monitor, p));
     if (patches > room) texts.push_back(fmt::format("  +{}", counted(patches - room + 1, "patch")));
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }

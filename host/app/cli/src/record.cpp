@@ -304,7 +304,7 @@ void make_bag_folder(const std::filesystem::path& folder) {
 std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
                     const robot::BusConfig& bus) {
   const std::filesystem::path output(options.output);
-  const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
+  const bool divided = design::patches_of(cover.design) != design::patches_here(cover.design);
   const std::string name = cover.name + (divided && !cover.name.empty() ? "_" + bus.name : "");
   if (format == Format::kRosbag2) {
     const std::filesystem::path folder = name.empty() ? output : output / name;

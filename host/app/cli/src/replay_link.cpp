@@ -167,7 +167,7 @@ void prepare_boards(const design::Design& design, const design::RestValues& rest
   deploy::FlashOptions flash;
   // New boards are in the order of the patches, or have the serial numbers of the recording.
   flash.recognise = false;
-  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p)
+  for (const layout::PatchIndex p : design::patches_of(design))
     flash.assign.push_back({p, session::to_text(hardware::unique_id_of(link.skin().scene(), p))});
   (void)deploy::flash(bus, design, flash);
   session::wait_for_set_up(bus);

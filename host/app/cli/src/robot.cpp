@@ -19,6 +19,7 @@
 #include "triskin/base/text_file.hpp"
 #include "triskin/base/writer_lock.hpp"
 #include "triskin/connect/open_link.hpp"
+#include "triskin/design/module_number.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/registration.hpp"
@@ -152,9 +153,12 @@ void set_serials(robot::CoverEntry& cover, const Options& options) {
   for (const std::string& text : options.serials) {
     const auto [patch, serial] = robot::parse_serial(text);
     const auto entry = std::ranges::find(cover.controllers, patch, &robot::ControllerEntry::patch);
-    if (entry == cover.controllers.end())
+    if (entry == cover.controllers.end()) {
+      std::vector<int> patches;
+      for (const robot::ControllerEntry& e : cover.controllers) patches.push_back(e.patch);
       throw InputError(
-          fmt::format("--serial {}: cover {} has patches 0 … {}", text, cover.name, cover.controllers.size() - 1));
+          fmt::format("--serial {}: cover {} has patches {}", text, cover.name, design::ranges_text(patches)));
+    }
     entry->serial = serial;
   }
 }

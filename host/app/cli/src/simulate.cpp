@@ -119,9 +119,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
   nlohmann::json boards = nlohmann::json::array();
   for (const SimulatedBus& bus : buses) {
     const hardware::Scene& scene = bus.skin->scene();
-    for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
-      boards.push_back(
-          {{"patch", p}, {"serial", session::to_text(hardware::unique_id_of(scene, layout::PatchIndex{p}))}});
+    for (const layout::PatchIndex p : design::patches_of(scene.design)) {
+      boards.push_back({{"patch", p}, {"serial", session::to_text(hardware::unique_id_of(scene, p))}});
       if (!bus.name.empty()) boards.back()["bus"] = bus.name;
       if (bus.name.empty())
         output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));

@@ -148,8 +148,7 @@ json report_topology(session::Controller& controller, const std::vector<NamedDes
   say_found(found, route, output);
   const auto named =
       std::ranges::find(designs, expected_design, [](const NamedDesign& d) { return d.second.design_id; });
-  const bool expected =
-      named != designs.end() && expected_patch >= 0 && expected_patch < static_cast<int>(named->second.patches.size());
+  const bool expected = named != designs.end() && design::has_patch(named->second, expected_patch);
   if (expected) {
     const auto match = diagnose::match_topology(found, named->second, expected_patch);
     j["match"] = match_json(match, *named);

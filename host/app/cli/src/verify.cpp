@@ -58,7 +58,7 @@ void check_report(const std::string& file) {
 std::string report_file(const std::string& file, const robot::CoverConfig& cover, const robot::BusConfig& bus) {
   const std::filesystem::path path(file);
   if (file.empty() || cover.name.empty()) return file;
-  const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
+  const bool divided = design::patches_of(cover.design) != design::patches_here(cover.design);
   const std::string of_bus = divided ? "_" + bus.name : "";
   return (path.parent_path() / (path.stem().string() + "_" + cover.name + of_bus + path.extension().string())).string();
 }
@@ -76,7 +76,7 @@ void write_report(const std::string& file, const design::Design& design, const d
 layout::PatchIndex patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
   if (!argument.code) return layout::PatchIndex::none();
   const layout::PatchIndex patch{argument.code->patch};
-  if (patch >= static_cast<int>(design.patches.size()))
+  if (patch >= 0 && !design::has_patch(design, patch))
     throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
   output.say(fmt::format("{}, page {} of its assembly sheet{}", argument.path, argument.code->page,
                          patch < 0 ? "" : fmt::format(": controller {}", patch)));

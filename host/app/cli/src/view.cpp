@@ -84,7 +84,7 @@ void say_simulated_links(const connect::LinkOptions& link, const robot::Site& si
 std::string place_of(const DesignArgument& argument, const design::Design& design) {
   if (!argument.code || argument.code->patch < 0) return {};
   const auto patch = static_cast<std::size_t>(argument.code->patch);
-  if (patch >= design.patches.size())
+  if (!design::has_patch(design, argument.code->patch))
     throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
   return fmt::format("#module-{}", design::number_of(design, design.patches[patch].entry));
 }

@@ -81,7 +81,26 @@ std::vector<ModuleWiring> wiring_of(const Design& design) {
   return wiring;
 }
 
+std::vector<layout::PatchIndex> patches_of(const Design& design) {
+  std::vector<layout::PatchIndex> patches;
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    if (!design.patches[p].is_gap()) patches.emplace_back(p);
+  }
+  return patches;
+}
+
+bool has_patch(const Design& design, int patch) {
+  return patch >= 0 && patch < static_cast<int>(design.patches.size()) &&
+         !design.patches[static_cast<std::size_t>(patch)].is_gap();
+}
+
+std::string patch_numbers(const Design& design) {
+  const std::vector<layout::PatchIndex> patches = patches_of(design);
+  return ranges_text(std::vector<int>(patches.begin(), patches.end()));
+}
+
 layout::NodeAddress node_address_of(const Design& design, layout::PatchIndex patch) {
+  if (design.patches.at(static_cast<std::size_t>(patch)).is_gap()) return {};
   if (design.node_addresses.empty()) return layout::NodeAddress{patch + layout::kFirstNode};
   return layout::NodeAddress{design.node_addresses.at(static_cast<std::size_t>(patch))};
 }

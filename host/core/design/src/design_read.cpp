@@ -257,13 +257,15 @@ void read_entries(const JsonValue& v, const Numbers& numbers, Patch& patch) {
   patch.second_entry_side = v["second_entry_side"].integer(has_second ? 0 : -1, has_second ? 2 : -1);
 }
 
-Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules, const Numbers& numbers) {
+// A calibration in a controller has 16 bits for the number of its patch.
+constexpr int kMaxPatch = 0xFFFF;
+
+Patch read_patch(const JsonValue& v, int id, const JsonValue& modules, const Numbers& numbers) {
   only_keys(v,
             {"id", "node_address", "entry", "second_entry", "second_entry_side", "modules", "cut_joints", "line_hops",
              "max_depth", "failures"},
             kDesignPage);
-  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
-  if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
+  if (v["node_address"].integer(0, kMaxCount) != id + 1) v["node_address"].fail("must be id + 1");
   Patch patch;
   read_entries(v, numbers, patch);
   for (const int node : list(v["modules"], module_in(numbers))) {
@@ -413,7 +415,14 @@ void read_layout(const JsonValue& v, Design& d) {
 void read_wiring(const JsonValue& v, Design& d) {
   const JsonValue modules = v["modules"], patches = v["patches"];
   const Numbers numbers = all_numbers(d.layout);
-  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules, numbers));
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const JsonValue patch = patches.at(p);
+    const int id = patch["id"].integer(0, kMaxPatch);
+    if (id < static_cast<int>(d.patches.size())) patch["id"].fail("must be above that of the patch before it");
+    d.patches.resize(static_cast<std::size_t>(id));  // gaps
+    d.patches.push_back(read_patch(patch, id, modules, numbers));
+    if (d.patches.back().is_gap()) patch["modules"].fail("must name at least one module");
+  }
   const std::vector<ModuleWiring> wiring = wiring_of(d);
   for (std::size_t k = 0; k < modules.size(); ++k) require_derived(modules.at(k), d, static_cast<int>(k), wiring[k]);
 }

@@ -187,7 +187,7 @@ json pieces_json(const Design& design) {
 
 json patches_json(const Design& design) {
   json patches = json::array();
-  for (std::size_t p = 0; p < design.patches.size(); ++p) patches.push_back(patch_json(design, static_cast<int>(p)));
+  for (const layout::PatchIndex p : patches_of(design)) patches.push_back(patch_json(design, p));
   return patches;
 }
 

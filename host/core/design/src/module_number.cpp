@@ -48,6 +48,10 @@ layout::ModuleId require_module(const Design& design, ModuleNumber number) {
   return id;
 }
 
+std::string jumper_name(const Design& design, const Jumper& jumper) {
+  return fmt::format("J{}-{}", number_of(design, jumper.node[0]), number_of(design, jumper.node[1]));
+}
+
 std::vector<int> all_numbers(const ModuleLayout& layout) {
   if (!layout.numbers.empty()) return layout.numbers;
   std::vector<int> numbers(layout.modules.size());

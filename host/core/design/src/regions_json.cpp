@@ -195,7 +195,7 @@ void read_regions(const JsonValue& v, Design& design) {
   only_keys(v["regions"], {"elsewhere", "list"}, kRegionsPage);
   design.regions.elsewhere = number_in(v["regions"]["elsewhere"], -kMaxWeight, kMaxWeight);
   for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
-  read_regions_report(v["report"], static_cast<int>(v["patches"].size()), design);
+  read_regions_report(v["report"], static_cast<int>(design.patches.size()), design);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     design.layout.modules[k].keep_out_mm = number_in(v["modules"].at(k)["keep_out_mm"], 0.0, kMaxLength_mm);
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)

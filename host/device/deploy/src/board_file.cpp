@@ -23,6 +23,7 @@ FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design&
   design::only_keys(v, {"patch", "serial"}, kBoardPage);
   FlashOptions::Assignment a;
   a.patch = layout::PatchIndex{v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1)};
+  if (!design::has_patch(design, a.patch)) v["patch"].fail("must be one of " + design::patch_numbers(design));
   a.serial = normal_serial(v["serial"].text());
   if (a.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits, as triskin discover shows serial numbers");
   return a;

@@ -39,12 +39,7 @@ struct Candidate {
 class Matcher {
  public:
   Matcher(session::Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known)
-      : bus_(bus),
-        design_(design),
-        options_(options),
-        known_(known),
-        n_patches_(design.patches.size()),
-        here_(design::patches_here(design)) {}
+      : bus_(bus), design_(design), options_(options), known_(known), here_(design::patches_here(design)) {}
 
   MatchedBoards run() {
     find(known_.claims);
@@ -130,8 +125,8 @@ class Matcher {
   void assign_named() {
     for (const FlashOptions::Assignment& a : options_.assign) {
       if (!std::ranges::binary_search(here_, a.patch))
-        throw InputError(
-            fmt::format("--assign {}={}: the design has patches 0 … {}", a.patch, a.serial, n_patches_ - 1));
+        throw InputError(fmt::format("--assign {}={}: the design has patches {}", a.patch, a.serial,
+                                     design::patch_numbers(design_)));
       const auto named = std::ranges::find_if(
           candidates_, [&](const Candidate& c) { return session::to_text(c.board.claim.unique_id) == a.serial; });
       if (named != candidates_.end())
@@ -163,7 +158,7 @@ class Matcher {
     for (Candidate& c : candidates_) {
       if (c.board.patch >= 0 || c.owner != Owner::kThis) continue;
       if (then.patches.empty()) then = design_;
-      then.node_addresses.assign(n_patches_, c.board.claim.node_address);
+      then.node_addresses.assign(design_.patches.size(), c.board.claim.node_address);
       const auto found = std::ranges::find_if(here_, [&](layout::PatchIndex patch) {
         return wanted(patch) && !taken_.contains(patch) &&
                session::holds_image(c.table.crc, session::image_of(then, patch));
@@ -465,7 +460,6 @@ class Matcher {
   const design::Design& design_;
   const FlashOptions& options_;
   BusBoards& known_;
-  const std::size_t n_patches_;
   const std::vector<layout::PatchIndex> here_;  // The patches are in ascending order.
   std::vector<Candidate> candidates_;
   std::set<layout::PatchIndex> taken_;
@@ -477,9 +471,9 @@ class Matcher {
 
 MatchedBoards match_boards(session::Bus& bus, const design::Design& design, const FlashOptions& options,
                            BusBoards& known) {
-  if (options.patch >= static_cast<int>(design.patches.size()))
+  if (options.patch >= 0 && !design::has_patch(design, options.patch))
     throw InputError(
-        fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
+        fmt::format("--patch {}: the design has patches {}", options.patch, design::patch_numbers(design)));
   return Matcher(bus, design, options, known).run();
 }
 

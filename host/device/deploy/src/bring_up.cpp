@@ -227,7 +227,7 @@ class Session {
     if (out.empty()) throw DeviceError("no controller with an address of its own; step 11 gives them out");
     return out;
   }
-  [[nodiscard]] int patches() const { return static_cast<int>(design_.patches.size()); }
+  [[nodiscard]] int patches() const { return static_cast<int>(design::patches_of(design_).size()); }
   [[nodiscard]] bool uses_line(std::uint8_t node, int line) const {
     const layout::PatchIndex patch = design::patch_at(design_, layout::NodeAddress{node});
     if (patch < 0) return true;

@@ -112,7 +112,7 @@ std::vector<IdentifiedBoard> identify(session::Bus& bus, const design::Design& d
                                       const std::function<void(const IdentifiedBoard&)>& found) {
   if (options.patch >= 0 && !std::ranges::binary_search(design::patches_here(design), options.patch))
     throw InputError(
-        fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
+        fmt::format("--patch {}: the design has patches {}", options.patch, design::patch_numbers(design)));
   return Identification(bus, design, options, found).run();
 }
 

@@ -296,8 +296,7 @@ wire::FoundTopology topology_across(const design::Design& design, layout::PatchI
 
 std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design) {
   std::vector<TopologyMatch> matches;
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    matches.push_back(match_topology(found, design, layout::PatchIndex{p}));
+  for (const layout::PatchIndex p : design::patches_of(design)) matches.push_back(match_topology(found, design, p));
   std::ranges::stable_sort(matches, {}, [](const TopologyMatch& m) { return m.differences.size(); });
   if (matches.empty()) return matches;
   const std::size_t fewest = matches.front().differences.size();

@@ -152,8 +152,8 @@ void watch_stream(session::Bus& bus, const design::Design& design, const VerifyO
   }
 }
 
-// The result is indexed by patch; a patch whose controller is on another bus has no rows and is never usable.
-std::vector<PatchState> patches_of(const design::Design& design) {
+// The result is indexed by patch; a patch without a controller on this bus has no rows and is never usable.
+std::vector<PatchState> states_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
   for (std::size_t k = 0; k < patches.size(); ++k) {
     patches[k].patch = layout::PatchIndex{k};
@@ -203,7 +203,7 @@ VerifyResult verify(session::Bus& bus, const design::Design& design, const Verif
   const std::uint64_t start_us = bus.now_us();
   report(progress, "finding controllers", -1.0);
   VerifyResult result;
-  std::vector<PatchState> patches = patches_of(design);
+  std::vector<PatchState> patches = states_of(design);
   result.modules = modules_here(design);
   check_controllers(bus, design, patches, result.findings);
   ask_all(bus, patches, [&](session::Bus& own, PatchState& p) {

@@ -39,7 +39,7 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
   for (std::size_t c = 0; c < a.robot.covers.size(); ++c) {
     for (const ControllerEntry& e : a.robot.covers[c].controllers) {
       const int bus = bus_of(a.robot, a.robot.covers[c], e);
-      if (bus < 0 || static_cast<std::size_t>(e.patch) >= a.designs[c].patches.size()) continue;
+      if (bus < 0 || !design::has_patch(a.designs[c], e.patch)) continue;
       BusLoad& load = loads[static_cast<std::size_t>(bus)];
       const std::size_t modules = a.designs[c].patches[static_cast<std::size_t>(e.patch)].modules.size();
       ++load.controllers;

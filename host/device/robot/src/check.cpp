@@ -86,16 +86,16 @@ class Checker {
     }
     std::map<int, int> served;
     for (const ControllerEntry& e : cover.controllers) ++served[e.patch];
-    const int patches = static_cast<int>(design.patches.size());
     for (const auto& [patch, count] : served) {
-      if (patch >= patches)
-        add(fmt::format("{}, patch {}", place, patch), fmt::format("the design has patches 0 … {}", patches - 1),
+      if (!design::has_patch(design, patch))
+        add(fmt::format("{}, patch {}", place, patch),
+            fmt::format("the design has patches {}", design::patch_numbers(design)),
             "remove the controller, or add the cover again with --replace");
       else if (count > 1)
         add(fmt::format("{}, patch {}", place, patch), fmt::format("has {}", counted(count, "controller")),
             "keep one of them");
     }
-    for (layout::PatchIndex patch; patch < patches; ++patch) {
+    for (const layout::PatchIndex patch : design::patches_of(design)) {
       if (!served.contains(patch))
         add(fmt::format("{}, patch {}", place, patch), "has no controller",
             "give it one with a free node address, or add the cover again with --replace");

@@ -51,9 +51,8 @@ std::uint32_t rate_in(const std::string& text, const std::string& whole) {
 }  // namespace
 
 void seat(Robot& robot, CoverEntry& cover, const design::Design& design, int first_node) {
-  const int patches = static_cast<int>(design.patches.size());
-  std::erase_if(cover.controllers, [&](const ControllerEntry& e) { return e.patch >= patches; });
-  for (layout::PatchIndex patch; patch < patches; ++patch) {
+  std::erase_if(cover.controllers, [&](const ControllerEntry& e) { return !design::has_patch(design, e.patch); });
+  for (const layout::PatchIndex patch : design::patches_of(design)) {
     if (std::ranges::find(cover.controllers, patch, &ControllerEntry::patch) != cover.controllers.end()) continue;
     ControllerEntry entry;
     entry.patch = patch;

@@ -107,8 +107,8 @@ namespace {
 void require_limits(const design::Design& design, layout::PatchIndex patch_index) {
   const std::size_t modules = design.patches.at(static_cast<std::size_t>(patch_index)).modules.size();
   if (design.node_addresses.empty() && design.patches.size() > layout::kMaxNodes)
-    refuse(patch_index,
-           fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
+    refuse(patch_index, fmt::format("a bus has {} node addresses, the design patches {}", layout::kMaxNodes,
+                                    design::patch_numbers(design)));
   if (modules == 0 || modules > layout::kMaxModules)
     refuse(patch_index, fmt::format("{} modules, a controller reads 1 … {}", modules, layout::kMaxModules));
   const int last = design::number_of(design, static_cast<int>(design.layout.modules.size()) - 1).value;
@@ -194,7 +194,7 @@ layout::PatchImage image_of(const design::Design& design, layout::PatchIndex pat
 layout::PatchIndex patch_of_table(const design::Design& design, layout::NodeAddress node, std::uint32_t crc) {
   design::Design then = design;
   then.node_addresses.assign(design.patches.size(), static_cast<std::uint8_t>(node));
-  for (layout::PatchIndex patch; patch < static_cast<int>(design.patches.size()); ++patch) {
+  for (const layout::PatchIndex patch : design::patches_of(design)) {
     if (holds_image(crc, image_of(then, patch))) return patch;
   }
   return layout::PatchIndex::none();

@@ -144,7 +144,7 @@ std::string picture_svg(const design::Design& design) {
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
       "{}</text>\n</svg>\n",
       low.x() + 10, low.y() + size.y() - 10, std::min(size.x() / 32, 8.0), escape_markup(design.name),
-      design.layout.modules.size(), design.patches.size(), coverage_text(design));
+      design.layout.modules.size(), design::patches_of(design).size(), coverage_text(design));
   return svg;
 }
 

@@ -181,18 +181,17 @@ design::Vec3 middle_of(const design::PlacedModule& m, int side) {
 }
 
 // Adds a jumper as a line between the middles of its two sides, in the mesh frame.
-int add_jumper(json& gltf, json& nodes, Buffer& buffer, const design::Design& design, std::size_t index) {
+int add_jumper(json& gltf, json& nodes, Buffer& buffer, const design::Design& design, const design::Jumper& j) {
   constexpr int kLines = 1;
-  const design::Jumper& j = design.layout.jumpers[index];
   std::vector<design::Vec3> ends;
   for (std::size_t e = 0; e < 2; ++e)
     ends.emplace_back(middle_of(design.layout.modules.at(static_cast<std::size_t>(j.node[e])), j.side[e]) *
                       kMetres_per_mm);
-  const std::string name = fmt::format("jumper_{}", index);
+  const std::string name = jumper_node_name(design, j);
   gltf["meshes"].push_back(
       {{"name", name},
        {"primitives", {{{"attributes", {{"POSITION", buffer.add_points(ends)}}}, {"mode", kLines}, {"material", 4}}}}});
-  json extras = {{"jumper", index},
+  json extras = {{"jumper", design::jumper_name(design, j)},
                  {"kind", design::kJumperKindNames.name(j.kind)},
                  {"modules", design::numbers_of(design, j.node)},
                  {"sides", j.side},
@@ -227,8 +226,7 @@ std::string gltf(const design::Design& design) {
   if (!design.layout.jumpers.empty()) file["materials"].push_back(material("jumper", 0.88, 0.42, 0.02));
   json nodes = json::array();
   json children = add_nodes(nodes, design);
-  for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k)
-    children.push_back(add_jumper(file, nodes, buffer, design, k));
+  for (const design::Jumper& j : design.layout.jumpers) children.push_back(add_jumper(file, nodes, buffer, design, j));
   const int root = push(
       nodes,
       {{"name", design.name},

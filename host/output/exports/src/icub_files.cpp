@@ -109,8 +109,10 @@ std::string icub_skingui(const design::Design& design) {
         design.patches.size(), kIcubTriangles * static_cast<int>(design.patches.size()), kSkinGuiTriangles));
   const auto shifts = row_of_islands(design);
   std::string text = "cardid";
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    text += fmt::format(" {}", design::node_address_of(design, layout::PatchIndex{p}));
+  // The place in this list is the number of the controller; one that does not exist has the address that it would have.
+  for (layout::PatchIndex p; p < static_cast<int>(design.patches.size()); ++p)
+    text += fmt::format(
+        " {}", design::has_patch(design, p) ? design::node_address_of(design, p).value() : p + layout::kFirstNode);
   text += fmt::format("\nrobotPart {}\nwidth 600\nheight 400\n\n[SENSORS]\n", word(design.name));
   std::map<int, std::string> rows;
   for (std::size_t k = 0; k < wiring.size(); ++k) {

@@ -104,8 +104,11 @@ class Artist {
     for (int s = 0; s < 3; ++s) {
       const sheet::Side& side = sides_.of[static_cast<std::size_t>(id)][static_cast<std::size_t>(s)];
       if (side.cable) add_cable(fmt::format("C{}", wiring_[static_cast<std::size_t>(id)].patch), id, port_at(id, s));
-      if (side.jumper >= 0)
-        add_cable(fmt::format("J{}_M{}", side.jumper, design::number_of(design_, id)), id, port_at(id, s));
+      if (side.jumper >= 0) {
+        const design::Jumper& jumper = design_.layout.jumpers[static_cast<std::size_t>(side.jumper)];
+        add_cable(fmt::format("{}_M{}", design::jumper_name(design_, jumper), design::number_of(design_, id)), id,
+                  port_at(id, s));
+      }
     }
   }
 

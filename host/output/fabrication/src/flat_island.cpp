@@ -107,7 +107,7 @@ void add_marks(const design::Design& design, const sheet::Sides& sides, FlatIsla
       const sheet::Side& side = sides.of[at(id)][at(s)];
       std::string text = wired.patch >= 0 && wired.routed.rotation == s ? "A" : "";
       if (side.cable) text += fmt::format(" C{}", wired.patch);
-      if (side.jumper >= 0) text += fmt::format(" J{}", side.jumper);
+      if (side.jumper >= 0) text += " " + design::jumper_name(design, design.layout.jumpers[at(side.jumper)]);
       if (!text.empty()) mark_side(island, tile, s, text, island.marks);
     }
   }

@@ -40,7 +40,7 @@ Bill bill_of(const design::Design& design, const Sides& sides) {
   Bill bill;
   bill.modules = static_cast<int>(design.layout.modules.size());
   bill.modules_by_kind = design::count_kinds(design.kinds, design.layout);
-  bill.controllers = static_cast<int>(design.patches.size());
+  bill.controllers = static_cast<int>(design::patches_of(design).size());
   std::map<int, int> cables, second_cables, jumpers;
   const auto rim = rim_edges_of(design.surface);
   for (const auto& patch : design.patches) {

@@ -86,7 +86,7 @@ void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int mod
   d.canvas.fill_rectangle(at.middle() - Vec2(1.2, 1.2), {2.4, 2.4}, kBlue);
   d.canvas.line(at.middle(), at.middle() + 3.0 * at.outward, {0.6, kBlue, 0.0});
   write_along(d, at, 0.5, 3.6,
-              fmt::format("J{} → {} port {}, {:.0f} mm", side.jumper, design::number_of(d.design, j.node[far]),
+              fmt::format("{} → port {}, {:.0f} mm", design::jumper_name(d.design, j),
                           port_at(j.side[far], d.plan.wiring[index(j.node[far])].routed.rotation),
                           std::ceil(j.length_mm - 1e-9)),
               {.size_mm = 2.2, .color = kBlue});

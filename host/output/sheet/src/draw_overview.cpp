@@ -139,10 +139,11 @@ void draw_island_numbers(const Drawing& d, const View& view, const std::map<int,
 // Each view that an entry faces names it; of six views along the axes at least one has a cosine of 1/√3 or more.
 void draw_entries(const Drawing& d, const View& view) {
   constexpr double kFacing = 0.4;
-  for (std::size_t p = 0; p < d.design.patches.size(); ++p) {
-    const auto& m = d.design.layout.modules.at(static_cast<std::size_t>(d.design.patches[p].entry));
+  for (const layout::PatchIndex p : design::patches_of(d.design)) {
+    const auto entry = static_cast<std::size_t>(d.design.patches[static_cast<std::size_t>(p)].entry);
+    const auto& m = d.design.layout.modules.at(entry);
     if (normal_of(m.corner_mm).dot(view.toward) < kFacing) continue;
-    const int rotation = d.plan.wiring[static_cast<std::size_t>(d.design.patches[p].entry)].routed.rotation;
+    const int rotation = d.plan.wiring[entry].routed.rotation;
     const Vec2 at = view.flat(design::middle_of_side(m, rotation));
     d.canvas.fill_circle(at, 0.9, kBlue);
     d.canvas.text(at + Vec2(1.1, -0.6), fmt::format("C{}", p), {.size_mm = 2.4, .bold = true, .color = kBlue});

@@ -17,17 +17,17 @@ constexpr double kLabelCode_mm = 15.0;
 
 std::vector<Label> labels_of(const design::Design& design, const Plan& plan) {
   std::vector<Label> labels;
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    labels.push_back({static_cast<int>(p), fmt::format("C{}", p),
-                      fmt::format("node address {}", design::node_address_of(design, layout::PatchIndex{p})),
-                      fmt::format("entry: module {}", design::number_of(design, design.patches[p].entry))});
-  for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k) {
-    const auto& j = design.layout.jumpers[k];
+  for (const layout::PatchIndex p : design::patches_of(design)) {
+    const int entry = design.patches[static_cast<std::size_t>(p)].entry;
+    labels.push_back({p, fmt::format("C{}", p), fmt::format("node address {}", design::node_address_of(design, p)),
+                      fmt::format("entry: module {}", design::number_of(design, entry))});
+  }
+  for (const design::Jumper& j : design.layout.jumpers) {
     const auto end = [&](std::size_t e) {
       return fmt::format("module {} port {}", design::number_of(design, j.node[e]),
                          port_at(j.side[e], plan.wiring[static_cast<std::size_t>(j.node[e])].routed.rotation));
     };
-    labels.push_back({-1, fmt::format("J{}", k), end(0), end(1)});
+    labels.push_back({-1, design::jumper_name(design, j), end(0), end(1)});
   }
   return labels;
 }

@@ -36,6 +36,6 @@ namespace triskin::sheet {
 [[nodiscard]] std::string text_of(const Fix& fix, const std::vector<Landmark>& landmarks);
 
 /// Describes a side for the table of a controller: the module over a joint, "cut (13)", "edge, mark m7", "cable".
-[[nodiscard]] std::string text_of(const Side& side, const design::Design& design, const Plan& plan, int module);
+[[nodiscard]] std::string text_of(const Side& side, const design::Design& design, const Plan& plan);
 
 }  // namespace triskin::sheet

@@ -267,25 +267,25 @@ void add_supply(Lines& lines, const design::Design& design, const Plan& plan) {
 void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
   if (design.layout.jumpers.empty()) return;
   add_title(lines, "Order of work: jumpers");
-  for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k) {
-    const auto& j = design.layout.jumpers[k];
+  for (const design::Jumper& j : design.layout.jumpers) {
     const auto end = [&](std::size_t e) {
       const auto module = static_cast<std::size_t>(j.node[e]);
       return fmt::format("module {} port {} (page {})", design::number_of(design, j.node[e]),
                          port_at(j.side[e], plan.wiring[module].routed.rotation), plan.page_of_module[module]);
     };
-    add_tick(lines, fmt::format("J{}: {} of {:.0f} mm from {} to {}.", k, design::kJumperKindNames.name(j.kind),
-                                std::ceil(j.length_mm - 1e-9), end(0), end(1)));
+    add_tick(lines, fmt::format("{}: {} of {:.0f} mm from {} to {}.", design::jumper_name(design, j),
+                                design::kJumperKindNames.name(j.kind), std::ceil(j.length_mm - 1e-9), end(0), end(1)));
   }
 }
 
 void add_connecting(Lines& lines, const design::Design& design, const Plan& plan) {
   add_title(lines, "Order of work: controllers");
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
+  for (const layout::PatchIndex p : design::patches_of(design)) {
+    const int entry = design.patches[static_cast<std::size_t>(p)].entry;
     add_tick(lines, fmt::format("Controller {}: plug its cable into port A of module {} (page {}; table on page {}).",
-                                p, design::number_of(design, design.patches[p].entry),
-                                plan.page_of_module.at(static_cast<std::size_t>(design.patches[p].entry)),
-                                page_of_controller(plan, static_cast<int>(p))));
+                                p, design::number_of(design, entry),
+                                plan.page_of_module.at(static_cast<std::size_t>(entry)), page_of_controller(plan, p)));
+  }
   add_tick(
       lines,
       "Any controller may take any of these places: flash finds out which modules hang on which one, and says what to "
@@ -381,7 +381,7 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
                  columns};
     for (int port = 0; port < 3; ++port)
       row.cells.push_back(
-          text_of(plan.sides.of[id][static_cast<std::size_t>((port + m.rotation) % 3)], design, plan, m.node));
+          text_of(plan.sides.of[id][static_cast<std::size_t>((port + m.rotation) % 3)], design, plan));
     lines.push_back(std::move(row));
   }
   lines.push_back({LineKind::kGap, {}, {}});
@@ -430,7 +430,7 @@ std::vector<Page> paginated(const Lines& lines, const std::string& title, Paper 
 std::vector<Page> controller_pages(const design::Design& design, const Plan& plan, Paper paper) {
   std::vector<Page> pages;
   double used_mm = 0.0;
-  for (int p = 0; p < static_cast<int>(design.patches.size()); ++p) {
+  for (const layout::PatchIndex p : design::patches_of(design)) {
     Lines lines = controller_lines(design, plan, p);
     const double height = height_of(lines);
     if (!pages.empty() && used_mm + height <= room_of(paper)) {
@@ -485,12 +485,10 @@ std::string text_of(const Fix& fix, const std::vector<Landmark>& landmarks) {
   return text.empty() ? "an unknown place (no surface)" : text;
 }
 
-std::string text_of(const Side& side, const design::Design& design, const Plan& plan, int module) {
+std::string text_of(const Side& side, const design::Design& design, const Plan& plan) {
   if (side.cable) return "cable";
   if (side.jumper >= 0) {
-    const auto& jumper = design.layout.jumpers[static_cast<std::size_t>(side.jumper)];
-    return fmt::format("jumper J{} to {}", side.jumper,
-                       design::number_of(design, jumper.node[jumper.node[0] == module ? 1 : 0]));
+    return "jumper " + design::jumper_name(design, design.layout.jumpers[static_cast<std::size_t>(side.jumper)]);
   }
   const design::ModuleNumber other = design::number_of(design, side.other);
   if (side.kind == SideKind::kKept) return fmt::format("{}", other);

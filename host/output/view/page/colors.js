@@ -99,7 +99,7 @@ export function modesOf(model) {
   });
   const modes = /** @type {Mode[]} */ ([
     {name: "controllers", color: (k) => controllerColor(patch(k)), chips: true,
-     swatches: model.data.patches.map((_, p) => ({color: controllerColor(p), what: model.controllerOf(p), of: (k) => patch(k) === p}))},
+     swatches: model.data.patches.flatMap(({entry}, p) => entry < 0 ? [] : [{color: controllerColor(p), what: model.controllerOf(p), of: (k) => patch(k) === p}])},
     {name: "pressure", color: () => colorOf("module"), swatches: [entry("module", () => true)],
      bar: heatBar(model)},
     {name: "lines", ...strap("line", ["L0", "L1", "L2", "L3"])},

@@ -131,7 +131,7 @@ export class Labels {
     return placed;
   }
 
-  // A label does not lie on a module or reach out of the pane: where it would, the name of the jumper alone is tried.
+  // A label does not lie on a module or reach out of the pane.
   placeJumpers(camera, occupied) {
     const {paint, model} = this, placed = /** @type {Label[]} */ ([]);
     if (camera.mm_per_pixel > 1.4) return placed;
@@ -141,16 +141,12 @@ export class Labels {
       if (model.shows(k)) occupied.take(x, y, reach, reach);
     }
     paint.font = JUMPER_FONT;
-    model.data.jumpers.forEach((jumper, j) => [0, 1].forEach((end) => {
+    model.data.jumpers.forEach((jumper) => [0, 1].forEach((end) => {
       if (!model.shows(jumper.modules[end])) return;
       const {to, out} = stubOf(model, jumper, end), [x, y] = camera.project(to);
-      for (const text of [`${model.jumperName(j)} → ${model.numberOf(jumper.modules[1 - end])}`, model.jumperName(j)]) {
-        const wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
-        const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
-        if (!isInPane(box, camera) || !occupied.take(...box)) continue;
-        placed.push({text, x: left, y: middle, box});
-        break;
-      }
+      const text = jumper.name, wide = paint.measureText(text).width, left = x + (out[0] > 0.3 ? 3 : out[0] < -0.3 ? -wide - 3 : -wide / 2);
+      const middle = y - 8 * Math.sign(out[1]) * (Math.abs(out[1]) > 0.3 ? 1 : 0), box = /** @type {Box} */ ([left + wide / 2, middle, wide, 10]);
+      if (isInPane(box, camera) && occupied.take(...box)) placed.push({text, x: left, y: middle, box});
     }));
     return placed;
   }
@@ -201,7 +197,7 @@ export class Labels {
   // Modules whose centre has something to show: the disc of an entry, a pressed taxel. @returns {Set<number>}
   busyCentres(withTrees, contacts) {
     const busy = new Set(contacts.flatMap((c) => c.taxels.map((n) => Math.floor(n / TAXELS))));
-    if (withTrees) for (const p of this.model.data.patches) busy.add(p.entry);
+    if (withTrees) for (const p of this.model.data.patches) busy.add(p.entry); // -1 for a gap
     return busy;
   }
 

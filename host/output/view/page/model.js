@@ -107,11 +107,6 @@ export class Model {
     const cover = (this.data.covers ?? []).findLast((c) => c.first_island <= island);
     return cover ? `${cover.name}: ${island - cover.first_island}` : `island ${island}`;
   }
-  /** The name of a jumper in its own design: "J0". @param {number} j */
-  jumperName(j) {
-    const cover = (/** @type {any} */ jumper) => this.coverOf(jumper.modules[0]), {jumpers} = this.data;
-    return `J${jumpers.slice(0, j).filter((/** @type {any} */ other) => cover(other) === cover(jumpers[j])).length}`;
-  }
   /** Whether pressures are known in kPa. */
   get isCalibrated() { return this.countsPerKpa.length > 0; }
   /** A change in the unit of the page: kPa, or counts without a calibration. @param {number} n 12 · module + taxel @param {number} counts below rest */

@@ -50,7 +50,7 @@ function coverageOf(d) {
 
 /** @returns {[string, string|number][]} */
 function sumRows({count, data: d}) {
-  return [["modules", count], ["controllers", d.patches.length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${Math.round(d.area_cm2)} cm²`],
+  return [["modules", count], ["controllers", d.patches.filter((p) => p.entry >= 0).length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${Math.round(d.area_cm2)} cm²`],
           ["coverage", `${Math.round(100 * coverageOf(d))} %`]];
 }
 
@@ -85,7 +85,7 @@ function wiringRows(model, k, m) {
     if (m.parent >= 0) rows.push([`modules lost if its joint to ${model.numberOf(m.parent)} fails`, lost(model.failureOf(k, m.parent))]);
   }
   for (const j of model.data.jumpers) {
-    if (j.modules.includes(k)) rows.push(["jumper", `${model.jumperName(model.data.jumpers.indexOf(j))} to module ${model.numberOf(j.modules[0] === k ? j.modules[1] : j.modules[0])}, ${j.length_mm} mm`]);
+    if (j.modules.includes(k)) rows.push(["jumper", `${j.name}, ${j.length_mm} mm`]);
   }
   return rows;
 }

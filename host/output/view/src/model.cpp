@@ -97,10 +97,13 @@ json patch_of(const design::Design& design, std::size_t index, bool is_switched)
           {"failures", std::move(failures)}};
 }
 
-json jumpers_of(const design::ModuleLayout& layout) {
+json jumpers_of(const design::Design& design) {
   json list = json::array();
-  for (const auto& j : layout.jumpers)
-    list.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", rounded(j.length_mm)}});
+  for (const auto& j : design.layout.jumpers)
+    list.push_back({{"name", design::jumper_name(design, j)},
+                    {"modules", j.node},
+                    {"sides", j.side},
+                    {"length_mm", rounded(j.length_mm)}});
   return list;
 }
 
@@ -172,7 +175,7 @@ std::string model_json(const design::Design& design, bool recording, const Notes
       {"design_id", fmt::format("{:016x}", design.design_id)},
       {"side_mm", design::kSide_mm},
       {"corner_cut_mm", design.layout.corner_cut_mm},
-      {"jumpers", jumpers_of(design.layout)},
+      {"jumpers", jumpers_of(design)},
       {"recording", recording},
       {"islands", design.layout.islands},
       {"area_cm2", rounded(design.report.area_cm2)},

@@ -91,7 +91,7 @@ struct CheckedDesign {
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Region> regions;
-  std::vector<Patch> patches;
+  std::vector<Patch> patches;  ///< by number; one without modules stands for a number that no controller has
   double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap, max_edge_lift, max_edge_depth;
   int upper_bound, patches_lower_bound, jumpers_lower_bound;
   std::vector<int> entries_elsewhere;  ///< The file lists these patches if entries are limited.

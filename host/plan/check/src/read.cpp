@@ -170,6 +170,24 @@ CheckedDesign::Patch read_patch(const Value& j, const ModuleIndex& index) {
   return p;
 }
 
+// The list in the file names the numbers of the controllers, which ascend and may have gaps.
+std::vector<CheckedDesign::Patch> read_patches(const Value& list, const ModuleIndex& index) {
+  constexpr int kMaxNumber = 65'535;
+  std::vector<CheckedDesign::Patch> patches;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const Value j = list.item(k);
+    const int id = bounded(j.at("id"), static_cast<int>(patches.size()), kMaxNumber);
+    while (static_cast<int>(patches.size()) < id) {
+      CheckedDesign::Patch gap{};
+      gap.entry = gap.second_entry = gap.second_entry_side = -1;
+      patches.push_back(std::move(gap));
+    }
+    patches.push_back(read_patch(j, index));
+    if (patches.back().modules.empty()) j.fail("a patch has at least one module");
+  }
+  return patches;
+}
+
 void read_obstacle(const Value& j, CheckedDesign::Region& r) {
   r.kind = CheckedDesign::Region::Kind::kObstacle;
   r.margin = number(j.at("margin_mm"));
@@ -304,7 +322,7 @@ CheckedDesign read_all(const Value& j) {
   if (j.contains("regions")) read_regions(j, d);
   if (j.contains("kinds")) read_kinds(j, d);
   d.pieces = all(j.at("pieces"), [&](const Value& p) { return read_piece(p, d.faces.size()); });
-  d.patches = all(j.at("patches"), [&](const Value& p) { return read_patch(p, index); });
+  d.patches = read_patches(j.at("patches"), index);
   read_report(j.at("report"), d);
   if (with_jumpers) d.jumpers_lower_bound = integer(j.at("report").at("jumpers_lower_bound"));
   if (with_lift) read_side_maxima(j.at("report"), d);

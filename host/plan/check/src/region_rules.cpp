@@ -282,6 +282,7 @@ void check_entries(const CheckedDesign& d, const SurfaceIndex& surface, Findings
   };
   for (std::size_t p = 0; p < d.patches.size(); ++p) {
     const auto& patch = d.patches[p];
+    if (patch.modules.empty()) continue;
     check(p, patch.entry, d.modules[static_cast<std::size_t>(patch.entry)].rotation);
     if (patch.second_entry >= 0) check(p, patch.second_entry, patch.second_entry_side);
   }

@@ -285,7 +285,7 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   design::set_numbers(d.layout, std::move(d.layout.numbers));
   lattice::number_islands(d.layout);
   lattice::measure(surface, d.layout, regions.get());
-  result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);
+  result.kept_patches = wire_around(design, d, surface, regions.get(), result.new_id, progress);
   d.report.seconds = seconds_since(start);
   return result;
 }
@@ -327,7 +327,7 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   }
   lattice::number_islands(d.layout);
   lattice::measure(surface, d.layout, regions.get());
-  result.new_patch = wire_around(design, d, surface, regions.get(), result.new_id, progress);
+  result.kept_patches = wire_around(design, d, surface, regions.get(), result.new_id, progress);
   d.report.seconds = seconds_since(start);
   return result;
 }
@@ -336,7 +336,6 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
                            const ProgressSink& progress) {
   const auto start = Clock::now();
   EditedDesign result = unchanged(design);
-  result.new_patch.assign(design.patches.size(), -1);
   design::Design& d = result.design;
   if (d.name.ends_with(kMirroredSuffix))
     d.name.resize(d.name.size() - kMirroredSuffix.size());

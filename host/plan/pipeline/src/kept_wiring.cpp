@@ -38,14 +38,14 @@ class PatchKeeper {
               std::vector<design::Jumper> places)
       : old_(old), now_(now), new_id_(new_id), places_(std::move(places)), wiring_(design::wiring_of(old)) {}
 
-  routing::KeptWiring kept(std::vector<int>& new_patch) {
+  routing::KeptWiring kept() {
     routing::KeptWiring kept;
     for (std::size_t p = 0; p < old_.patches.size(); ++p) {
       std::vector<design::Jumper> jumpers;
-      const bool stays = has_modules(old_.patches[p]) && has_joints(old_.patches[p]) && has_jumpers(p, jumpers);
+      const bool stays = !old_.patches[p].is_gap() && has_modules(old_.patches[p]) && has_joints(old_.patches[p]) &&
+                         has_jumpers(p, jumpers);
       kept.patches.push_back(stays ? renamed_patch(old_.patches[p]) : design::Patch{});
       if (stays) kept.jumpers.insert(kept.jumpers.end(), jumpers.begin(), jumpers.end());
-      new_patch.push_back(stays ? static_cast<int>(p) : -1);
     }
     return kept;
   }
@@ -96,21 +96,19 @@ class PatchKeeper {
 
 }  // namespace
 
-std::vector<int> wire_around(const design::Design& old, design::Design& now, const mesh::Surface& surface,
-                             const mesh::SurfaceRegions* regions, const std::vector<int>& new_id,
-                             const ProgressSink& progress) {
+std::vector<layout::PatchIndex> wire_around(const design::Design& old, design::Design& now,
+                                            const mesh::Surface& surface, const mesh::SurfaceRegions* regions,
+                                            const std::vector<int>& new_id, const ProgressSink& progress) {
   std::vector<design::Jumper> fitted;
   for (const design::Jumper& jumper : old.layout.jumpers) fitted.push_back(renamed(jumper, new_id));
   const std::vector<design::Jumper> places = routing::find_jumpers(surface, now.layout, now.limits, fitted);
-  std::vector<int> new_patch;
-  const routing::KeptWiring kept = PatchKeeper(old, now, new_id, places).kept(new_patch);
+  const routing::KeptWiring kept = PatchKeeper(old, now, new_id, places).kept();
   wire(now, surface, regions, places, progress, nullptr, &kept);
-  // Where no new patch took a free index, the last one moved there.
-  const auto wiring = design::wiring_of(now);
-  for (std::size_t p = 0; p < new_patch.size(); ++p) {
-    if (new_patch[p] >= 0) new_patch[p] = wiring[at(new_id[at(old.patches[p].modules.front().node)])].patch;
+  std::vector<layout::PatchIndex> stayed;
+  for (std::size_t p = 0; p < kept.patches.size(); ++p) {
+    if (!kept.patches[p].is_gap()) stayed.emplace_back(p);
   }
-  return new_patch;
+  return stayed;
 }
 
 }  // namespace triskin::pipeline

@@ -58,7 +58,7 @@ RevisedDesign revise_design(const design::Design& old, design::Design part, cons
   d.layout.jumpers.clear();
   const double seconds = d.report.seconds;
   const mesh::Surface surface(d.surface);
-  revision.new_patch = wire_around(old, d, surface, regions_of(surface, d).get(), revision.new_id, progress);
+  revision.kept_patches = wire_around(old, d, surface, regions_of(surface, d).get(), revision.new_id, progress);
   d.report.seconds = seconds;
   return {std::move(grown.design), std::move(revision)};
 }

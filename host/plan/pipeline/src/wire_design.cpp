@@ -33,17 +33,17 @@ void fill_report(design::Design& design, const mesh::Surface& surface) {
 void state_taken(design::Design& design) {
   if (design.taken < 0) return;
   design::Alternative& taken = design.alternatives[static_cast<std::size_t>(design.taken)];
-  taken.patches = static_cast<int>(design.patches.size());
+  taken.patches = static_cast<int>(design::patches_of(design).size());
   taken.jumpers = static_cast<int>(design.layout.jumpers.size());
   taken.price = design.price.of(taken.patches, taken.jumpers, design.layout.islands);
 }
 
 void report_entries(design::Design& design, const mesh::SurfaceRegions& regions) {
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const design::Patch& patch = design.patches[p];
+  for (const layout::PatchIndex p : design::patches_of(design)) {
+    const design::Patch& patch = design.patches[static_cast<std::size_t>(p)];
     const design::PlacedModule& entry = design.layout.modules[static_cast<std::size_t>(patch.entry)];
     if (!regions.allows_entry(design::middle_of_side(entry, patch.modules.front().rotation)))
-      design.report.entries_elsewhere.push_back(static_cast<int>(p));
+      design.report.entries_elsewhere.push_back(p);
   }
 }
 

@@ -298,9 +298,13 @@ void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, s
     }
   }
   // Every connector is planned before losses are counted, because it occupies a joint that adoption could use.
-  for (std::size_t p = 0; p < patches.size(); ++p)
-    PatchAnalysis(graph, options, patches, owner, patches[p]).plan(p < is_kept.size() && is_kept[p]);
-  for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).run();
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (!patches[p].is_gap())
+      PatchAnalysis(graph, options, patches, owner, patches[p]).plan(p < is_kept.size() && is_kept[p]);
+  }
+  for (Patch& patch : patches) {
+    if (!patch.is_gap()) PatchAnalysis(graph, options, patches, owner, patch).run();
+  }
 }
 
 }  // namespace triskin::routing

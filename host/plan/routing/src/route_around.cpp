@@ -65,20 +65,15 @@ class OpenPart {
   ModuleGraph graph_;
 };
 
-// New patches take the free places, and the remaining ones follow at the end. A place that stays free is taken by the
-// last patch, so that no other changes its number.
+// New patches take the free places, and the remaining ones follow at the end; a place before the last patch may stay
+// free.
 std::vector<Patch> merged(std::vector<Patch> kept, std::vector<Patch> added) {
   std::size_t next = 0;
   for (Patch& patch : kept) {
-    if (patch.modules.empty() && next < added.size()) patch = std::move(added[next++]);
+    if (patch.is_gap() && next < added.size()) patch = std::move(added[next++]);
   }
   while (next < added.size()) kept.push_back(std::move(added[next++]));
-  for (std::size_t p = 0; p < kept.size(); ++p) {
-    while (!kept.empty() && kept.back().modules.empty()) kept.pop_back();
-    if (p >= kept.size() || !kept[p].modules.empty()) continue;
-    kept[p] = std::move(kept.back());
-    kept.pop_back();
-  }
+  while (!kept.empty() && kept.back().is_gap()) kept.pop_back();
   return kept;
 }
 
@@ -103,19 +98,22 @@ RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& 
   result.patches = merged(kept.patches, std::move(added));
   const ModuleGraph joined = design::with_jumpers(graph, result.jumpers);
   for (Patch& patch : result.patches) {
+    if (patch.is_gap()) continue;
     const auto& entry = patch.modules.front();
     patch.border_entry = joined.nodes.at(at(entry.node)).border.at(at(entry.rotation));
   }
   if (options.failure_analysis) {
     std::set<int> entries;
-    for (const Patch& patch : kept.patches) entries.insert(patch.entry);
+    for (const Patch& patch : kept.patches) entries.insert(patch.entry);  // −1 for gaps
     std::vector<bool> is_kept;
     for (const Patch& patch : result.patches) is_kept.push_back(entries.contains(patch.entry));
     analyse_failures(joined, options, result.patches, is_kept);
   }
-  result.proved = static_cast<int>(result.patches.size()) == result.lower_bound;
+  const auto controllers =
+      result.patches.size() - static_cast<std::size_t>(std::ranges::count_if(result.patches, &Patch::is_gap));
+  result.proved = static_cast<int>(controllers) == result.lower_bound;
   // The bound held for that number of controllers.
-  if (result.patches.size() != fewest) result.jumpers_lower_bound = 0;
+  if (controllers != fewest) result.jumpers_lower_bound = 0;
   result.price_proved = false;
   return result;
 }

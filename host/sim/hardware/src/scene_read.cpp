@@ -208,7 +208,9 @@ layout::ModuleId SceneNames::module(const JsonValue& v) const {
 
 layout::PatchIndex SceneNames::patch(const JsonValue& v) const {
   if (design.patches.empty()) v.fail("the design has none");
-  return layout::PatchIndex{v.integer(0, static_cast<int>(design.patches.size()) - 1)};
+  const layout::PatchIndex patch{v.integer(0, static_cast<int>(design.patches.size()) - 1)};
+  if (!design::has_patch(design, patch)) v.fail("must be one of " + design::patch_numbers(design));
+  return patch;
 }
 
 void only_scene_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {

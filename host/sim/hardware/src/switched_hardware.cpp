@@ -60,6 +60,11 @@ SwitchedHardware::SwitchedHardware(const Scene& scene)
 
 void SwitchedHardware::add_patch(const Scene& scene, layout::PatchIndex patch) {
   const auto& routed = scene.design.patches[static_cast<std::size_t>(patch)].modules;
+  if (routed.empty()) {
+    joints_.emplace_back();
+    patches_.emplace_back(Joints{}, 0, scene.seed);
+    return;
+  }
   std::vector<int> rotations;
   for (std::size_t k = 0; k < routed.size(); ++k) {
     patch_[static_cast<std::size_t>(routed[k].node)] = patch;
@@ -100,6 +105,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     return {row_of(module), design::port_at_side(side, rotations[static_cast<std::size_t>(module)])};
   };
   for (const design::Patch& p : scene.design.patches) {
+    if (p.is_gap()) continue;
     const SwitchedPatch::End cable = cable_at(layout::ModuleId{p.entry}, p.modules[0].rotation);
     int controller = 0;
     if (patches_.empty())

@@ -104,6 +104,7 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
 }
 
 void VirtualSkin::build(std::size_t patch, const std::filesystem::path& state_folder, bool other_hardware) {
+  if (scene_.design.patches[patch].is_gap()) return;
   Node& node = nodes_[patch];
   const std::string name = board_name(scene_, patch);
   node.flash = make_flash(kFlashBytes, state_folder, name + ".flash");
@@ -186,6 +187,7 @@ std::unique_ptr<sim::VirtualController> VirtualSkin::make_controller(std::size_t
 
 void VirtualSkin::power_up(std::size_t patch) {
   Node& node = nodes_[patch];
+  if (node.flash == nullptr) return;  // No board has this number.
   node.run_again_us = now_us_;
   node.clock.power(now_us_);
   try {

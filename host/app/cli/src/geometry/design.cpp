@@ -62,7 +62,8 @@ design::Vec3 size_of(const design::Mesh& mesh) {
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object(), supply_v = nlohmann::json::array();
-  for (const design::Patch& patch : d.patches) supply_v.push_back(design::lowest_supply(d, patch).volts);
+  for (const layout::PatchIndex p : design::patches_of(d))
+    supply_v.push_back(design::lowest_supply(d, d.patches[static_cast<std::size_t>(p)]).volts);
   const design::Vec3 size_mm = size_of(d.surface);
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
   nlohmann::json keys = {{"modules", d.layout.modules.size()},
@@ -70,7 +71,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"coverage", r.coverage},
                          {"pieces", d.pieces.size()},
                          {"islands", d.layout.islands},
-                         {"patches", d.patches.size()},
+                         {"patches", design::patches_of(d).size()},
                          {"patches_lower_bound", r.patches_lower_bound},
                          {"jumpers", d.layout.jumpers.size()},
                          {"jumpers_lower_bound", r.jumpers_lower_bound},
@@ -129,8 +130,9 @@ void say_layout(const design::Design& d, Output& output) {
       fmt::format("{}: {:.0f} cm², {:.1f} × {:.1f} × {:.1f} mm, {} placed (at most {} by area), coverage {:.1f} %{}",
                   d.name, r.area_cm2, size_mm.x(), size_mm.y(), size_mm.z(), counted(d.layout.modules.size(), "module"),
                   r.upper_bound, 100.0 * r.coverage, cut));
-  output.say(fmt::format("{} (lower bound {}), {} (lower bound {}), {}", counted(d.patches.size(), "controller"),
-                         r.patches_lower_bound, counted(d.layout.jumpers.size(), "jumper"), r.jumpers_lower_bound,
+  output.say(fmt::format("{} (lower bound {}), {} (lower bound {}), {}",
+                         counted(design::patches_of(d).size(), "controller"), r.patches_lower_bound,
+                         counted(d.layout.jumpers.size(), "jumper"), r.jumpers_lower_bound,
                          counted(d.layout.islands, "island")));
 }
 
@@ -150,10 +152,11 @@ void say_details(const design::Design& d, const pipeline::DesignNotes& notes, Ou
   const auto& r = d.report;
   const std::string open_side = notes.side.choice.has_wall ? "" : side_text_of(mesh::open_side_of(d.surface));
   if (!open_side.empty()) output.say(open_side);
-  for (std::size_t p = 0; p < d.patches.size(); ++p) {
-    const design::LowestSupply lowest = design::lowest_supply(d, d.patches[p]);
+  for (const layout::PatchIndex p : design::patches_of(d)) {
+    const design::Patch& patch = d.patches[static_cast<std::size_t>(p)];
+    const design::LowestSupply lowest = design::lowest_supply(d, patch);
     double most_ohm = 1e9, least_ohm = 0.0;
-    for (const design::LineElectrical& line : d.patches[p].lines) {
+    for (const design::LineElectrical& line : patch.lines) {
       if (line.modules == 0) continue;
       least_ohm = std::max(least_ohm, line.pull_up_min_ohm);
       most_ohm = std::min(most_ohm, line.pull_up_max_ohm);
@@ -183,10 +186,10 @@ void report_revision(const design::Design& old, const design::Design& d, const p
                      const std::string& design_file, Output& output) {
   const std::string picture = design_file + ".changes.svg";
   write_output(picture, exports::revision_svg(old, d, revision.new_id, revision.added));
-  output.result["revision"] = {{"patches", revision.new_patch}, {"picture", picture}};
+  output.result["revision"] = {{"picture", picture}};
   report_labels(old, d, output.result["revision"], output);
   output.say(picture + " shows what changed");
-  report_tables(revision.new_patch, d.patches.size(), output);
+  report_tables(old, d, revision.kept_patches, output.result["revision"], output);
 }
 
 // Turns what the options name into what the pipeline takes.

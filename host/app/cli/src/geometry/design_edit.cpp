@@ -89,9 +89,7 @@ design::MirrorPlane plane_of(const std::string& text) {
 
 pipeline::EditedDesign edited(const design::Design& design, const EditOptions& options,
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
-  std::vector<int> patches(design.patches.size(), -1);
-  if (options.take >= 0)
-    return {pipeline::take_alternative(design, options.take, progress), {}, {}, std::move(patches)};
+  if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty()) {
     const auto kept = modules_named(design, "--keep", options.keep);
@@ -99,8 +97,7 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
   }
   if (options.remove.empty() && options.add.empty()) {  // Only kinds change.
-    std::iota(patches.begin(), patches.end(), 0);
-    return {design, {}, {}, std::move(patches)};
+    return {design, {}, {}, design::patches_of(design)};
   }
   pipeline::LayoutEdit edit;
   const auto removed = modules_named(design, "--remove", options.remove);
@@ -112,7 +109,6 @@ pipeline::EditedDesign edited(const design::Design& design, const EditOptions& o
 // Which labels and which controllers are as they were.
 void report_changes(const design::Design& before, const pipeline::EditedDesign& e, const EditOptions& options,
                     Output& output) {
-  output.result["controllers"] = e.new_patch;
   if (options.mirror.empty()) {
     report_labels(before, e.design, output.result, output);
   } else {
@@ -120,20 +116,20 @@ void report_changes(const design::Design& before, const pipeline::EditedDesign& 
         {{"kept", e.new_id.size()}, {"removed", nlohmann::json::array()}, {"added", nlohmann::json::array()}});
     output.say(fmt::format("{} mirrored, none renumbered", counted(e.new_id.size(), "module")));
   }
-  report_tables(e.new_patch, e.design.patches.size(), output);
+  report_tables(before, e.design, e.kept_patches, output.result, output);
 }
 
 int report_design(const design::Design& d, Output& output) {
   output.result.update({{"modules", d.layout.modules.size()},
                         {"islands", d.layout.islands},
-                        {"patches", d.patches.size()},
+                        {"patches", design::patches_of(d).size()},
                         {"patches_lower_bound", d.report.patches_lower_bound},
                         {"jumpers", d.layout.jumpers.size()},
                         {"jumpers_lower_bound", d.report.jumpers_lower_bound},
                         {"coverage", d.report.coverage},
                         {"seconds", d.report.seconds}});
   output.say(fmt::format("{} in {}, {}, {}, coverage {:.1f} %", counted(d.layout.modules.size(), "module"),
-                         counted(d.layout.islands, "island"), counted(d.patches.size(), "controller"),
+                         counted(d.layout.islands, "island"), counted(design::patches_of(d).size(), "controller"),
                          counted(d.layout.jumpers.size(), "jumper"), 100.0 * d.report.coverage));
   report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
@@ -200,14 +196,17 @@ void report_labels(const design::Design& before, const design::Design& now, nloh
   if (!added.empty()) output.say("new labels: " + design::ranges_text(added));
 }
 
-void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output) {
-  std::vector<std::size_t> anew;
-  for (std::size_t p = 0; p < patches; ++p) {
-    if (p >= new_patch.size() || new_patch[p] != static_cast<int>(p)) anew.push_back(p);
-  }
-  if (anew.empty()) return output.say("all controllers are wired as before");
-  output.say(fmt::format("{} of {} wired as before; wired anew: {}", patches - anew.size(),
-                         counted(patches, "controller"), short_list(anew)));
+void report_tables(const design::Design& before, const design::Design& now, const std::vector<layout::PatchIndex>& kept,
+                   nlohmann::json& result, Output& output) {
+  const std::vector<layout::PatchIndex> old = design::patches_of(before), all = design::patches_of(now);
+  std::vector<layout::PatchIndex> anew, free;
+  std::ranges::set_difference(all, kept, std::back_inserter(anew));
+  std::ranges::set_difference(old, all, std::back_inserter(free));
+  result["controllers"] = {{"kept", kept}, {"wired_anew", anew}, {"no_longer_used", free}};
+  output.say(anew.empty() ? "all controllers are wired as before"
+                          : fmt::format("{} of {} wired as before; wired anew: {}", kept.size(),
+                                        counted(all.size(), "controller"), short_list(anew)));
+  if (!free.empty()) output.say("controllers no longer in use: " + short_list(free));
 }
 
 namespace {
@@ -285,8 +284,8 @@ void say_alternatives(const design::Design& d, Output& output) {
 }  // namespace
 
 void report_alternatives(const design::Design& d, Output& output) {
-  output.result["price"] =
-      d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
+  output.result["price"] = d.price.of(static_cast<int>(design::patches_of(d).size()),
+                                      static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
   output.result["taken"] = d.taken;
   output.result["alternatives"] = nlohmann::json::array();
   for (std::size_t k = 0; k < d.alternatives.size(); ++k) {

@@ -43,8 +43,10 @@ void report_kinds(const design::Design& design, Output& output);
 /// Says how many modules stay and which labels are new or no longer in use, with the keys "kept", "added" and
 /// "removed".
 void report_labels(const design::Design& before, const design::Design& now, nlohmann::json& result, Output& output);
-/// Says which controllers of the new design have the wiring that they had. `new_patch`: EditedDesign::new_patch.
-void report_tables(const std::vector<int>& new_patch, std::size_t patches, Output& output);
+/// Says which controllers have the wiring that they had (`kept`: EditedDesign::kept_patches), which are wired anew and
+/// which are no longer in use, with the key "controllers".
+void report_tables(const design::Design& before, const design::Design& now, const std::vector<layout::PatchIndex>& kept,
+                   nlohmann::json& result, Output& output);
 
 /// Lists the layouts by modules and price and marks the chosen one.
 void report_alternatives(const design::Design& design, Output& output);

@@ -104,7 +104,7 @@ struct Design {
   /// Numbers below this one were given to modules that are gone; next_number() (module_number.hpp) is the next free
   /// one.
   int next_number = 0;
-  std::vector<Patch> patches;
+  std::vector<Patch> patches;  ///< by the number of their controller; some may be gaps (Patch::is_gap), the last is not
   /// Those that side_by_side() joined, ascending; a design file has none. Numbers are those of the covers, so that a
   /// module is named by both.
   std::vector<NamedCover> covers;
@@ -131,13 +131,20 @@ struct ModuleWiring {
 /// layout lacks. Cost: O(n).
 [[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
 
-/// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus.
-/// Throws std::out_of_range for a patch without an entry in Design::node_addresses. Constant cost.
+/// Returns the numbers of all controllers, ascending. Cost: O(patches).
+[[nodiscard]] std::vector<layout::PatchIndex> patches_of(const Design& design);
+/// Returns whether there is a controller with this number. Constant cost.
+[[nodiscard]] bool has_patch(const Design& design, int patch);
+/// Writes the numbers of all controllers as ranges, "0-3,5", for messages.
+[[nodiscard]] std::string patch_numbers(const Design& design);
+
+/// Returns the node address 1 … 126 of the controller of patch `patch` (0-based), or 0 if it is on another bus or the
+/// number has no controller. Throws std::out_of_range for a patch that the design lacks. Constant cost.
 [[nodiscard]] layout::NodeAddress node_address_of(const Design& design, layout::PatchIndex patch);
 /// Returns the patch whose controller has node address `node`, or −1. Throws as node_address_of. Cost: O(patches).
 [[nodiscard]] layout::PatchIndex patch_at(const Design& design, layout::NodeAddress node);
 /// Returns the patches whose controllers are on the current bus, ascending; without Design::node_addresses these are
-/// all. Throws as node_address_of.
+/// patches_of(). Throws as node_address_of.
 [[nodiscard]] std::vector<layout::PatchIndex> patches_here(const Design& design);
 
 /// The centre (mm) and the outward unit normal of a taxel are in the mesh frame.

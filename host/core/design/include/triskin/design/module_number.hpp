@@ -51,6 +51,10 @@ template <typename Ids>
   return numbers;
 }
 
+/// Returns the name of a jumper on labels and in all outputs, "J4-17": the numbers of its modules, so that it keeps its
+/// name as long as they keep theirs. Constant cost.
+[[nodiscard]] std::string jumper_name(const Design& design, const Jumper& jumper);
+
 /// Returns the numbers of all modules, ascending. Cost: O(n).
 [[nodiscard]] std::vector<int> all_numbers(const ModuleLayout& layout);
 /// Gives the modules these ascending numbers, as many as there are modules.

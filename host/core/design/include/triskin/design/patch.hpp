@@ -52,6 +52,10 @@ struct LineElectrical {
 
 /// The modules of one controller form a wired tree. Every node is an index in the ModuleGraph that was routed.
 struct Patch {
+  /// In a list of patches the index is the number of the controller. Where a change of the design left a number without
+  /// a controller, a patch without modules stands for it, so that the others keep theirs.
+  [[nodiscard]] bool is_gap() const { return modules.empty(); }
+
   int entry = -1;                     ///< The entry is given as a node; it has at most two neighbours in the tree.
   std::vector<RoutedModule> modules;  ///< A patch has at most 16 modules, listed with parents before children.
   /// These joints (node, node) lie inside the patch but carry no signal.

@@ -15,8 +15,8 @@ struct EditedDesign {
   /// Maps an id of the old design to the new one, −1 if it was removed. A module that has an id is exactly where it
   /// was, or at its mirror image.
   std::vector<int> new_id;
-  std::vector<int> added;      ///< ids of the new design that the old one lacks
-  std::vector<int> new_patch;  ///< by old controller: its index now, −1 if its table changed
+  std::vector<int> added;                        ///< ids of the new design that the old one lacks
+  std::vector<layout::PatchIndex> kept_patches;  ///< controllers whose number and table are as they were, ascending
 };
 
 /// Names a place for a new module: beside a module, or a tile of an island.

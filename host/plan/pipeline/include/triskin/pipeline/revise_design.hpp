@@ -12,9 +12,8 @@ namespace triskin::pipeline {
 struct Revision {
   /// Gives each module of the older design its id now, −1 if it was removed. A module that has an id did not move.
   std::vector<int> new_id;
-  std::vector<int> added;  ///< These ids belong to modules that the older design lacks.
-  /// Gives each patch of the older design the patch that is wired exactly as it was, −1 if there is none.
-  std::vector<int> new_patch;
+  std::vector<int> added;                        ///< These ids belong to modules that the older design lacks.
+  std::vector<layout::PatchIndex> kept_patches;  ///< controllers whose number and table are as they were, ascending
 };
 
 struct RevisedDesign {

@@ -120,10 +120,11 @@ struct KeptWiring {
   std::vector<Jumper> jumpers;
 };
 
-/// Wires the modules outside `kept`, as route() would wire them alone. Kept patches stay at their index unless there
-/// are too few new ones to fill the free places before them; failures are computed for all of them again. `places` are
-/// as for route() and include the kept jumpers. Bounds are those of the whole graph; more controllers may be needed.
-/// Errors: as route(), and std::out_of_range for a kept module that the graph lacks. Cost: twice that of route().
+/// Wires the modules outside `kept`, as route() would wire them alone. Kept patches stay at their index; new ones take
+/// the free places first, and those left over before the last patch stay gaps (Patch::is_gap). Failures are computed
+/// for all of them again. `places` are as for route() and include the kept jumpers. Bounds are those of the whole
+/// graph; more controllers may be needed. Errors: as route(), and std::out_of_range for a kept module that the graph
+/// lacks. Cost: twice that of route().
 [[nodiscard]] RoutingResult route_around(const ModuleGraph& graph, const std::vector<Jumper>& places,
                                          const KeptWiring& kept, const RoutingOptions& options = {},
                                          const ProgressSink& progress = {});
