@@ -176,7 +176,7 @@ void Diagnosis::examine_modules(const PatchState& p) {
     else
       add_at(Seen::kPlaceShared, p, take_likeliest(p, absent, {r.line, r.address}), {r.line, r.address}, module);
   }
-  examine_absent(p, std::move(absent));
+  examine_absent(p, absent);
 }
 
 void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
@@ -253,7 +253,7 @@ void Diagnosis::add_at(Seen seen, const PatchState& p, std::size_t row, const Pl
 
 // Examines modules that do not answer where they should: they share the place of another one, are somewhere else, are
 // behind a broken joint, or are dead.
-void Diagnosis::examine_absent(const PatchState& p, std::vector<std::size_t> rows) {
+void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> open;
   for (const std::size_t row : rows) {
     const layout::ModuleId module = p.module(row);

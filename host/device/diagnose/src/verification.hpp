@@ -153,7 +153,7 @@ class Diagnosis {
   void examine_lines(const PatchState& p);
   void examine_history(const PatchState& p);
   void examine_modules(const PatchState& p);
-  void examine_absent(const PatchState& p, std::vector<std::size_t> rows);
+  void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
   void examine_taxels(const PatchState& p, std::size_t row);
   void examine_mirrored(const PatchState& p);
   void examine_adoption();
