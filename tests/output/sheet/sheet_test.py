@@ -192,8 +192,8 @@ def check_tables(design, pages):
         row = rows.get(m["id"], [""] * 7)
         expect(row[2] == f"L{m['line']}" and row[3] == strap_of(m["address"]), f"table of module {m['id']}: {row}")
         parent = "cable" if m["parent"] < 0 else str(m["parent"])
-        jumper = "jumper" in row[4] and row[4].endswith(f" to {parent}")
-        expect(row[4] == parent or jumper, f"module {m['id']} hangs on {row[4]}, not {parent}")
+        jumper = "" if parent == "cable" else "jumper J{}-{}".format(*sorted((m["id"], int(parent))))
+        expect(row[4] in (parent, jumper), f"module {m['id']} hangs on {row[4]}, not {parent}")
 
 
 def check_points(pages):

@@ -380,8 +380,7 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
                   fmt::format("L{}", m.line), design::address_strap(m.address)},
                  columns};
     for (int port = 0; port < 3; ++port)
-      row.cells.push_back(
-          text_of(plan.sides.of[id][static_cast<std::size_t>((port + m.rotation) % 3)], design, plan));
+      row.cells.push_back(text_of(plan.sides.of[id][static_cast<std::size_t>((port + m.rotation) % 3)], design, plan));
     lines.push_back(std::move(row));
   }
   lines.push_back({LineKind::kGap, {}, {}});

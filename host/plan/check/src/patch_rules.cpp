@@ -267,9 +267,8 @@ void check_patches(const CheckedDesign& design, Findings& findings) {
       findings.broken("every-module-wired", design.name(k), fmt::format("belongs to {} patches", owners[k]));
   }
   if (controllers < design.patches_lower_bound) {
-    findings.broken(
-        "patches-bound", "design",
-        fmt::format("{} patches under the stated lower bound {}", controllers, design.patches_lower_bound));
+    findings.broken("patches-bound", "design",
+                    fmt::format("{} patches under the stated lower bound {}", controllers, design.patches_lower_bound));
   }
 }
 
