@@ -40,8 +40,8 @@ inline design::Design strip(int count, int per_patch = 16) {
   return d;
 }
 
-/// Gives modules and controllers numbers as after the removal of others: modules 0 … 4, 12 … 36 (ids 5 … 29) and on
-/// from 50 (ids from 30), controllers 0, 2, 3 ….
+/// Gives modules and controllers numbers as after the removal of others: modules 0 … 4, 12 … 36 (ids 5 … 29) and
+/// on from 50 (ids from 30), controllers 0, 2, 3 ….
 inline design::Design with_gaps(design::Design d) {
   std::vector<int> numbers;
   for (int id = 0; id < static_cast<int>(d.layout.modules.size()); ++id)

@@ -164,7 +164,7 @@ TEST_F(BridgeTest, who_comes_late_still_gets_layout_and_transform) {
     return layout.take([&](const Layout& l) {
       EXPECT_EQ(l.design_id, design.design_id);
       EXPECT_EQ(l.position._length, 8U * 36U);
-      EXPECT_EQ(l.patch._buffer[4], 1);
+      EXPECT_EQ(l.patch._buffer[4], 2);  // the number of its controller; without gaps it is 1
       EXPECT_EQ(l.module_._length, 8U);
       EXPECT_EQ(l.module_._buffer[5], 12U);  // its number; without gaps it is 5
     }) == 1;

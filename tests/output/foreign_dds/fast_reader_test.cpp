@@ -152,7 +152,7 @@ TEST(FastDds, who_comes_late_gets_the_layout) {
     EXPECT_EQ(layout.design_id, design.design_id);
     ASSERT_EQ(layout.position.size(), 8U * 36U);
     ASSERT_EQ(layout.corner.size(), 8U * 9U);
-    EXPECT_EQ(layout.patch, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+    EXPECT_EQ(layout.patch, (std::vector<std::int32_t>{0, 0, 0, 0, 2, 2, 2, 2}));
     EXPECT_EQ(layout.module, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 12, 13, 14}));
     for (std::size_t m = 0; m < 8; ++m) {
       const auto poses = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);
