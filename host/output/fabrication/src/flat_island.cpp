@@ -18,7 +18,6 @@
 
 namespace triskin::fabrication {
 
-using design::PlacedModule;
 using design::Tile;
 using design::Vec2;
 
