@@ -99,7 +99,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     }
   }
   if (modules.empty()) return;
-  Joints joints = joints_among(modules, design::module_ends(scene.design, rotations), row_);
+  const Joints joints = joints_among(modules, design::module_ends(scene.design, rotations), row_);
   joints_.push_back(joints);
   const auto cable_at = [&](layout::ModuleId module, int side) -> SwitchedPatch::End {
     return {row_of(module), design::port_at_side(side, rotations[static_cast<std::size_t>(module)])};
@@ -109,7 +109,7 @@ void SwitchedHardware::add_joined_patches(const Scene& scene) {
     const SwitchedPatch::End cable = cable_at(layout::ModuleId{p.entry}, p.modules[0].rotation);
     int controller = 0;
     if (patches_.empty())
-      patches_.emplace_back(std::move(joints), cable.port, scene.seed);  // The cable leads to module 0.
+      patches_.emplace_back(joints, cable.port, scene.seed);  // The cable leads to module 0.
     else
       controller = patches_.back().add_controller(cable);
     if (p.second_entry >= 0)
