@@ -713,6 +713,8 @@ def compare_covers(one, other, folder, environment):
 
 
 def shown(text, state):
+    # Of an exception of Python the last line; the frames name folders of this machine.
+    text = re.sub(r"Traceback \(most recent call last\):\n(?: .*\n)+", "", text)
     lines = [line for line in text.strip().splitlines() if line.strip() and not line.startswith("…")]
     # Times and the folder of the run differ from run to run.
     return re.sub(r"\d+\.\d+ s\b", "… s", " ⏎ ".join(lines).replace(state + "/triskin/", "…/"))

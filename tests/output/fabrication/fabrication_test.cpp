@@ -23,6 +23,8 @@
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cad/read_part.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/fabrication/fabricate.hpp"
 #include "triskin/mesh/mesh_io.hpp"
@@ -302,6 +304,30 @@ TEST(Bends, ASharpJointIsRefusedByName) {
       EXPECT_NE(std::string(e.what()).find("--fold-rad 0.87"), std::string::npos) << e.what();
     }
   }
+}
+
+// `check` has a formula of its own, from the taxels of the file.
+TEST(Bends, CheckNamesTheJointsThatAreRefused) {
+  int refused = 0, taken = 0;
+  for (int entry_side = 0; entry_side < 3; ++entry_side) {
+    for (int step = -24; step <= 24; ++step) {
+      Design d = bent_pair(0.05 * step);
+      for (auto& m : d.patches.front().modules) {
+        if (m.parent < 0) m.rotation = entry_side;
+      }
+      bool is_refused = false;
+      try {
+        require_bends(d, sheet::sides_of(d), only_island(d));
+      } catch (const InputError&) {
+        is_refused = true;
+      }
+      EXPECT_EQ(!check::check_design_text(design::design_text(d), "pair").sharp_joints.empty(), is_refused)
+          << 0.05 * step << " rad, entry at side " << entry_side;
+      ++(is_refused ? refused : taken);
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(taken, 0);
 }
 
 TEST(Fabricate, LeavesBoardsOutWhereAJointIsTooSharp) {

@@ -205,9 +205,8 @@ TEST_P(Labels, hold_through_random_changes) {
   RecordProperty("free_numbers", tally.free_numbers);
   RecordProperty("jumpers", tally.jumpers);
   std::printf(
-      "%d changes, %d kept modules, none renumbered, up to %d gaps; %d untouched controllers, none renumbered, up to "
-      "%d "
-      "free numbers, with %d jumpers; %d controllers lost a jumper to a new module\n",
+      "%d changes, %d kept modules, none renumbered, up to %d gaps; %d untouched controllers, none renumbered, "
+      "up to %d free numbers, with %d jumpers; %d controllers lost a jumper to a new module\n",
       tally.changes, tally.kept, tally.gaps, tally.controllers, tally.free_numbers, tally.jumpers,
       tally.without_jumper);
 }

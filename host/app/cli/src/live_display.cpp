@@ -7,7 +7,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "terminal.hpp"
@@ -226,8 +225,12 @@ class Screen final : public LiveDisplay {
   // Arranges the patches in as many columns as the width permits and in `rows` lines at most.
   [[nodiscard]] std::vector<std::string> patch_lines(const LiveMonitor& monitor, int rows, int columns) const {
     std::vector<layout::PatchIndex> shown = design::patches_of(design_);
+    std::vector<std::string> all(design_.patches.size());
     std::size_t wide = 0;
-    for (const layout::PatchIndex p : shown) wide = std::max(wide, line_of(monitor, p).size() + 3);
+    for (const layout::PatchIndex p : shown) {
+      all[static_cast<std::size_t>(p)] = line_of(monitor, p);
+      wide = std::max(wide, all[static_cast<std::size_t>(p)].size() + 3);
+    }
     const int beside = std::max(1, columns / static_cast<int>(wide)), room = rows * beside;
     const int patches = static_cast<int>(shown.size());
     if (patches > room) {
@@ -239,7 +242,7 @@ class Screen final : public LiveDisplay {
       std::ranges::sort(shown);
     }
     std::vector<std::string> texts;
-    for (const layout::PatchIndex p : shown) texts.push_back(line_of(monitor, p));
+    for (const layout::PatchIndex p : shown) texts.push_back(std::move(all[static_cast<std::size_t>(p)]));
     if (patches > room) texts.push_back(fmt::format("  +{}", counted(patches - room + 1, "patch")));
     return in_columns(texts, wide, static_cast<std::size_t>(beside));
   }

@@ -44,6 +44,7 @@ int run(const Options& options, Output& output) {
                    {"messages", r.messages},         {"was_complete", r.was_complete},
                    {"kept_bytes", r.kept_bytes},     {"dropped_bytes", r.was_complete ? 0 : r.dropped_bytes},
                    {"losses", losses_json(r.losses)}};
+  // Of the old file: a new one lacks channels whose schema is not there.
   for (const std::string& why : recording::read_origin(options.file).not_understood)
     output.say(fmt::format("{}: {}", options.file, why));
   if (r.was_complete) {

@@ -525,7 +525,9 @@ PYBIND11_MODULE(_core, m) {
         py::arg("every") = 0, py::arg("overload") = false, py::arg("queue_s") = 10.0,
         "Opens the skin of a design file or of a robot file, or a recording (.mcap). link: as --link of the program; "
         "None: of a robot what its file names, and refused for a design. Raises BadInput, DeviceFailed.");
-  m.def("_read_recording", &read_recording, py::arg("file"));
+  m.def("read", &read_recording, py::arg("file"),
+        "Reads a recording (.mcap) whole into memory: arrays, and to_dataframe(). Raises BadInput for a file that is "
+        "none.");
   m.def("simulate", &simulate, py::arg("file"), py::kw_only(), py::arg("scene") = py::none(), py::arg("every") = 0,
         "Opens the skin of a design on simulated boards, which get its tables first. scene: file of what touches it. "
         "Raises BadInput, DeviceFailed.");

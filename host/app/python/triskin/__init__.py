@@ -5,19 +5,14 @@ Names carry units: _mm, _s, _us, _n (newton), _kpa, _counts (of the converters, 
 frame of the design's mesh, of a robot in the frame of its base."""
 import asyncio as _asyncio
 
-from ._core import BadInput, DeviceFailed, Recording, Skin, __version__, _read_recording, open, simulate
+from ._core import BadInput, DeviceFailed, Recording, Skin, __version__, open, read, simulate
 from ._frames import Frames, frames, write_frames
 
 __all__ = ["BadInput", "DeviceFailed", "Frames", "Recording", "Skin", "__version__", "frames", "open", "read", "simulate",
            "write_frames"]
 
-for _name in (BadInput, DeviceFailed, Recording, Skin, open, simulate):
+for _name in (BadInput, DeviceFailed, Recording, Skin, open, read, simulate):
     _name.__module__ = __name__
-
-
-def read(file):
-    """Reads a recording (.mcap) whole into memory: arrays, and to_dataframe(). Raises BadInput for a file that is none."""
-    return _read_recording(file)
 
 
 def _blocks(self, period_s=0.1):

@@ -42,6 +42,11 @@ std::size_t behind_tag(std::string_view text, std::size_t at) {
 
 }  // namespace
 
+void fail_too_deep(const std::string& name, long line) {
+  throw InputError(fmt::format("{}, line {}: its XML is nested more than {} deep; repair or export it again", name,
+                               line, kMaxXmlDepth));
+}
+
 void require_shallow_xml(std::string_view text, const std::string& name) {
   int depth = 0;
   for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
@@ -61,9 +66,7 @@ void require_shallow_xml(std::string_view text, const std::string& name) {
       const std::size_t from = at;
       at = behind_tag(text, at);
       const bool is_empty = text.substr(from, at - from).ends_with("/>");
-      if (!is_empty && ++depth > kMaxXmlDepth)
-        throw InputError(fmt::format("{}, line {}: its XML is nested more than {} deep; repair or export it again",
-                                     name, 1 + std::ranges::count(text.substr(0, from), '\n'), kMaxXmlDepth));
+      if (!is_empty && ++depth > kMaxXmlDepth) fail_too_deep(name, 1 + std::ranges::count(text.substr(0, from), '\n'));
     }
   }
 }

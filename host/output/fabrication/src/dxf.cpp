@@ -22,8 +22,8 @@ constexpr std::array<DxfLayer, 6> kDxfLayers{
 // Programs that know the variable, which is newer than R12, take the numbers as millimetres (4).
 std::string header() {
   std::string text =
-      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$"
-      "INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n";
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n"
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n";
   text += fmt::format("70\n{}\n", kDxfLayers.size());
   for (const DxfLayer& layer : kDxfLayers)
     text += fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", layer.name, layer.colour);

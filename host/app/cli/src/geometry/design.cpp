@@ -272,8 +272,10 @@ int run(Options options, Output& output) {
     check = write_checked_design(options.output, d, notes.revision ? OnViolation::kRefuse : OnViolation::kRemoveModules,
                                  output.progress());
   output.result = keys_of(d, notes);
-  if (check) report_check(*check, output);
-  if (check) report_sharp_joints(check->report, output);
+  if (check) {
+    report_check(*check, output);
+    report_sharp_joints(check->report, output);
+  }
   add_side_keys(notes.side, output);
   if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   const int part_status = report_part(notes.read, output);

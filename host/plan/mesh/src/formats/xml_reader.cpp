@@ -113,9 +113,7 @@ class Parse {
   }
   void start(const char* full, const char** list) {
     guarded([&] {
-      if (++depth_ > kMaxXmlDepth)
-        throw InputError(fmt::format("{}, line {}: its XML is nested more than {} deep; repair or export it again",
-                                     name_, line(), kMaxXmlDepth));
+      if (++depth_ > kMaxXmlDepth) fail_too_deep(name_, line());
       if (!handler_.start) return;
       XmlTag tag;
       std::tie(tag.space, tag.name) = split(full);
